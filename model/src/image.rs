@@ -1,0 +1,537 @@
+//! The host image: the whole scene as bytes in host memory (§3: "the entire scene data is stored
+//! in main memory").
+//!
+//! Every kd-node, list, triangle, shading record, material, texture and bump map has a host
+//! address, and the chip's units read nothing else. What the driver writes into the chip itself,
+//! before a frame, are the [`Registers`].
+//!
+//! | region | item | bytes | status |
+//! |---|---|---:|---|
+//! | nodes | kd-node | 8 | Assumed, after Wald et al. 2001 |
+//! | lists | address of a triangle | 4 | Assumed: a host address |
+//! | triangles | triangle | 36 | Derived: 144 KB of cache are 4096 of them |
+//! | shading | material, shading record | by [`Features`] | Assumed |
+//! | textures | texel | 4; 1 in bump maps | Assumed |
+//!
+//! All numbers are little-endian. Nodes lie in the order of [`KdTree::nodes`], triangles in the
+//! order in which the lists first name them, texels row by row (Assumed).
+
+use crate::intersection::{Kernel, ProjectedTriangle};
+use crate::kdtree::{Aabb, Axis, KdTree, KdTreeError, Node};
+use crate::scene::{self, Features, Image, Light, Material, Scene};
+use crate::units::{Bytes, HostAddr};
+use glam::{Vec2, Vec3};
+use std::fmt;
+
+/// Bytes of a kd-node.
+pub const NODE_BYTES: u32 = 8;
+/// Bytes of a list entry.
+pub const LIST_ENTRY_BYTES: u32 = 4;
+/// Bytes of a triangle.
+pub const TRIANGLE_BYTES: u32 = 36;
+/// Regions begin at multiples of this: a page of the host (Assumed).
+pub const REGION_ALIGNMENT: u32 = 4096;
+
+/// What the driver tells the chip beside the image's bytes (Assumed: §2 does not say how).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Registers {
+    /// Address of the root of the kd-tree.
+    pub root: HostAddr,
+    /// Box around the scene.
+    pub bounds: Aabb,
+    /// The triangle test, which decides what a triangle's 36 bytes mean.
+    pub kernel: Kernel,
+    /// Address of the first triangle.
+    pub triangles: HostAddr,
+    /// Address of the first triangle's shading record.
+    pub shading: HostAddr,
+    /// What the scene needs.
+    pub features: Features,
+    /// The lights.
+    pub lights: Vec<Light>,
+}
+
+/// The parts of the image, in the order of their addresses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Region {
+    /// kd-nodes.
+    Nodes,
+    /// Lists of triangle addresses.
+    Lists,
+    /// Triangles.
+    Triangles,
+    /// Materials, then a shading record a triangle.
+    Shading,
+    /// Image textures and bump maps.
+    Textures,
+}
+
+impl Region {
+    /// All regions in the order of their addresses.
+    pub const ALL: [Self; 5] = [Self::Nodes, Self::Lists, Self::Triangles, Self::Shading, Self::Textures];
+}
+
+/// A scene in host memory.
+#[derive(Clone, Debug)]
+pub struct HostImage {
+    /// The bytes from host address 0 on.
+    pub bytes: Vec<u8>,
+    /// What the chip is told beside them.
+    pub registers: Registers,
+    /// Bytes of each region of [`Region::ALL`], without the padding behind it.
+    pub region_bytes: [Bytes; 5],
+    /// Which of the scene's triangles each triangle of the image is.
+    pub triangle_ids: Vec<u32>,
+}
+
+/// Why a scene cannot be laid out.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ImageError {
+    /// The tree is not one that the chip may be given.
+    Tree(KdTreeError),
+    /// The image leaves the 32-bit host address space.
+    TooLarge(Bytes),
+    /// A texture has no texels, or more than 65536 a side.
+    Texture {
+        /// Index into [`Scene::images`].
+        image: usize,
+        /// Texels a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+}
+
+impl fmt::Display for ImageError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Tree(e) => e.fmt(f),
+            Self::TooLarge(Bytes(n)) => {
+                write!(f, "scene of {n} bytes: a host address has 32 bits, so at most {} bytes", 1_u64 << 32)
+            }
+            Self::Texture { image, width, height } => {
+                write!(f, "image {image} has {width} x {height} texels: 1 to 65536 a side are possible")
+            }
+        }
+    }
+}
+
+impl std::error::Error for ImageError {}
+
+impl HostImage {
+    /// Lays `scene` out for a chip with the triangle test `kernel`.
+    ///
+    /// # Errors
+    /// If the tree is not valid for the scene, or the image does not fit a 32-bit address space.
+    pub fn build(scene: &Scene, tree: &KdTree, kernel: Kernel) -> Result<Self, ImageError> {
+        tree.check(scene.triangles.len()).map_err(ImageError::Tree)?;
+        let features = scene::features(scene);
+        let (triangle_ids, places) = order_of_first_use(tree, scene.triangles.len());
+        let used_images = used_images(scene, features)?;
+
+        let region_bytes = [
+            tree.nodes.len() as u64 * u64::from(NODE_BYTES),
+            tree.refs.len() as u64 * u64::from(LIST_ENTRY_BYTES),
+            triangle_ids.len() as u64 * u64::from(TRIANGLE_BYTES),
+            scene.materials.len() as u64 * u64::from(features.material_bytes())
+                + triangle_ids.len() as u64 * u64::from(features.shading_record_bytes()),
+            used_images.iter().map(|&i| scene.images[i].texels.len() as u64).sum(),
+        ];
+        let mut starts = [0_u64; 6];
+        for (region, &bytes) in region_bytes.iter().enumerate() {
+            starts[region + 1] = (starts[region] + bytes).next_multiple_of(u64::from(REGION_ALIGNMENT));
+        }
+        if starts[5] > 1 << 32 {
+            return Err(ImageError::TooLarge(Bytes(starts[5])));
+        }
+        let [nodes, lists, triangles, materials, textures, end] = starts.map(|start| start as u32);
+        let shading = materials + scene.materials.len() as u32 * features.material_bytes();
+
+        let mut out = Writer { bytes: Vec::with_capacity(starts[5] as usize) };
+        for node in &tree.nodes {
+            out.node(node, HostAddr(nodes), HostAddr(lists));
+        }
+        out.pad_to(lists);
+        for &triangle in &tree.refs {
+            let addr = triangles + places[triangle as usize] * TRIANGLE_BYTES;
+            out.u32(addr | kernel.list_tag(&scene.triangles[triangle as usize].corners));
+        }
+        out.pad_to(triangles);
+        for &id in &triangle_ids {
+            let corners = &scene.triangles[id as usize].corners;
+            match kernel {
+                Kernel::MollerTrumbore => corners.iter().for_each(|&corner| out.vec3(corner)),
+                Kernel::Wald => ProjectedTriangle::new(corners).words.iter().for_each(|&w| out.f32(w)),
+            }
+        }
+        out.pad_to(materials);
+        let mut image_addr = vec![HostAddr(0); scene.images.len()];
+        let mut next = textures;
+        for &image in &used_images {
+            image_addr[image] = HostAddr(next);
+            next += scene.images[image].texels.len() as u32;
+        }
+        for material in &scene.materials {
+            out.material(material, features, &scene.images, &image_addr);
+        }
+        for &id in &triangle_ids {
+            let material = materials + scene.triangles[id as usize].material * features.material_bytes();
+            out.shading_record(scene, id as usize, features, HostAddr(material));
+        }
+        out.pad_to(textures);
+        for &image in &used_images {
+            out.bytes.extend_from_slice(&scene.images[image].texels);
+        }
+        out.pad_to(end);
+
+        let registers = Registers {
+            root: HostAddr(nodes),
+            bounds: tree.bounds,
+            kernel,
+            triangles: HostAddr(triangles),
+            shading: HostAddr(shading),
+            features,
+            lights: scene.lights.clone(),
+        };
+        Ok(Self { bytes: out.bytes, registers, region_bytes: region_bytes.map(Bytes), triangle_ids })
+    }
+
+    /// The scene's index of the triangle at `addr`.
+    #[must_use]
+    pub fn triangle_id(&self, addr: HostAddr) -> u32 {
+        self.triangle_ids[self.registers.triangle_index(addr) as usize]
+    }
+}
+
+impl Registers {
+    /// Which triangle of the image lies at `addr`.
+    #[must_use]
+    pub fn triangle_index(&self, addr: HostAddr) -> u32 {
+        (addr.0 - self.triangles.0) / TRIANGLE_BYTES
+    }
+}
+
+/// The triangles in the order in which the lists first name them, and the place of each in that
+/// order. Neighbours in space then share lines (Assumed).
+fn order_of_first_use(tree: &KdTree, triangles: usize) -> (Vec<u32>, Vec<u32>) {
+    const UNUSED: u32 = u32::MAX;
+    let mut places = vec![UNUSED; triangles];
+    let mut order = Vec::new();
+    for &triangle in &tree.refs {
+        let place = &mut places[triangle as usize];
+        if *place == UNUSED {
+            *place = order.len() as u32;
+            order.push(triangle);
+        }
+    }
+    (order, places)
+}
+
+/// Indices of the images that the scene's features need, ascending.
+fn used_images(scene: &Scene, features: Features) -> Result<Vec<usize>, ImageError> {
+    let mut used = vec![false; scene.images.len()];
+    for triangle in &scene.triangles {
+        let Material { texture, bump, .. } = scene.materials[triangle.material as usize];
+        let texture = texture.filter(|_| features.textures);
+        for image in texture.into_iter().chain(bump.filter(|_| features.bump_maps)) {
+            used[image as usize] = true;
+        }
+    }
+    let used: Vec<_> = (0..used.len()).filter(|&image| used[image]).collect();
+    for &image in &used {
+        let Image { width, height, .. } = scene.images[image];
+        if !(1..=1 << 16).contains(&width) || !(1..=1 << 16).contains(&height) {
+            return Err(ImageError::Texture { image, width, height });
+        }
+    }
+    Ok(used)
+}
+
+/// A kd-node as the chip reads it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NodeRecord {
+    /// Space is cut at `split` along `axis`.
+    Inner {
+        /// The axis that the split plane is perpendicular to.
+        axis: Axis,
+        /// Coordinate of the split plane.
+        split: f32,
+        /// Address of the child below the plane; the one above follows it.
+        below: HostAddr,
+    },
+    /// A leaf with `count` triangle addresses from `list` on.
+    Leaf {
+        /// Address of the list.
+        list: HostAddr,
+        /// Entries of the list.
+        count: u32,
+    },
+}
+
+impl NodeRecord {
+    /// Reads a node: the split plane or the count, then an address whose two lowest bits are the
+    /// axis, or 3 for a leaf (KD-1, Assumed).
+    #[inline]
+    #[must_use]
+    pub fn decode(bytes: [u8; NODE_BYTES as usize]) -> Self {
+        let [first, second] = words(bytes);
+        let addr = HostAddr(second & !3);
+        let split = f32::from_bits(first);
+        match second & 3 {
+            0 => Self::Inner { axis: Axis::X, split, below: addr },
+            1 => Self::Inner { axis: Axis::Y, split, below: addr },
+            2 => Self::Inner { axis: Axis::Z, split, below: addr },
+            _ => Self::Leaf { list: addr, count: first },
+        }
+    }
+}
+
+#[inline]
+fn words(bytes: [u8; 8]) -> [u32; 2] {
+    let [a, b, c, d, e, f, g, h] = bytes;
+    [u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])]
+}
+
+/// Where an image lies and how large it is, as a material names it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ImageRecord {
+    /// Address of the first texel.
+    pub texels: HostAddr,
+    /// Texels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+/// A material as the chip reads it. What the scene does not need is not stored, and reads as the
+/// value that has no effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MaterialRecord {
+    /// Diffuse reflectance.
+    pub diffuse: Vec3,
+    /// Specular reflectance.
+    pub specular: Vec3,
+    /// Phong exponent.
+    pub shininess: f32,
+    /// Part of the light that arrives by the mirrored ray.
+    pub reflection: f32,
+    /// Part of the light that arrives by the refracted ray.
+    pub refraction: f32,
+    /// Index of refraction behind the surface.
+    pub index_of_refraction: f32,
+    /// Image texture.
+    pub texture: Option<ImageRecord>,
+    /// Bump map and the height, in texels, of its 1.0.
+    pub bump: Option<(ImageRecord, f32)>,
+}
+
+/// What shading needs to know of a triangle, beside the material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadingRecord {
+    /// Address of the material.
+    pub material: HostAddr,
+    /// Unit normal of the triangle's plane.
+    pub normal: Vec3,
+    /// Normals at the corners; all the plane's where the scene has no others.
+    pub normals: [Vec3; 3],
+    /// Texture coordinates at the corners.
+    pub tex_coords: [Vec2; 3],
+    /// Unit vector in the triangle's plane along which the first texture coordinate grows.
+    pub tangent: Vec3,
+}
+
+impl Features {
+    /// Triangles have texture coordinates.
+    #[must_use]
+    pub fn mapped(self) -> bool {
+        self.textures || self.bump_maps
+    }
+
+    /// Bytes of a material in this scene.
+    #[must_use]
+    pub fn material_bytes(self) -> u32 {
+        12 + 16 * u32::from(self.highlights)
+            + 4 * u32::from(self.reflection)
+            + 8 * u32::from(self.refraction)
+            + 8 * u32::from(self.textures)
+            + 12 * u32::from(self.bump_maps)
+    }
+
+    /// Bytes of a shading record in this scene.
+    #[must_use]
+    pub fn shading_record_bytes(self) -> u32 {
+        16 + 36 * u32::from(self.smooth_normals)
+            + 24 * u32::from(self.mapped())
+            + 12 * u32::from(self.bump_maps)
+    }
+
+    /// Most bytes that a material or a shading record has.
+    pub const MAX_RECORD_BYTES: usize = 88;
+}
+
+impl MaterialRecord {
+    /// Reads a material of a scene that needs `features`.
+    #[must_use]
+    pub fn decode(bytes: &[u8], features: Features) -> Self {
+        let mut fields = Fields { rest: bytes };
+        let diffuse = fields.vec3();
+        let (specular, shininess) =
+            if features.highlights { (fields.vec3(), fields.f32()) } else { (Vec3::ZERO, 1.0) };
+        let reflection = if features.reflection { fields.f32() } else { 0.0 };
+        let (refraction, index_of_refraction) =
+            if features.refraction { (fields.f32(), fields.f32()) } else { (0.0, 1.0) };
+        let texture = if features.textures { fields.image() } else { None };
+        let bump = if features.bump_maps { fields.image().zip(Some(fields.f32())) } else { None };
+        Self { diffuse, specular, shininess, reflection, refraction, index_of_refraction, texture, bump }
+    }
+}
+
+impl ShadingRecord {
+    /// Reads a shading record of a scene that needs `features`.
+    #[must_use]
+    pub fn decode(bytes: &[u8], features: Features) -> Self {
+        let mut fields = Fields { rest: bytes };
+        let material = HostAddr(fields.u32());
+        let normal = fields.vec3();
+        let normals =
+            if features.smooth_normals { std::array::from_fn(|_| fields.vec3()) } else { [normal; 3] };
+        let tex_coords = if features.mapped() {
+            std::array::from_fn(|_| Vec2::new(fields.f32(), fields.f32()))
+        } else {
+            [Vec2::ZERO; 3]
+        };
+        let tangent = if features.bump_maps { fields.vec3() } else { Vec3::ZERO };
+        Self { material, normal, normals, tex_coords, tangent }
+    }
+}
+
+/// Reads the fields of a record one after the other.
+struct Fields<'a> {
+    rest: &'a [u8],
+}
+
+impl Fields<'_> {
+    fn u32(&mut self) -> u32 {
+        let (word, rest) =
+            self.rest.split_first_chunk().expect("a record has all the fields of its features");
+        self.rest = rest;
+        u32::from_le_bytes(*word)
+    }
+
+    fn f32(&mut self) -> f32 {
+        f32::from_bits(self.u32())
+    }
+
+    fn vec3(&mut self) -> Vec3 {
+        Vec3::new(self.f32(), self.f32(), self.f32())
+    }
+
+    fn image(&mut self) -> Option<ImageRecord> {
+        let (texels, size) = (HostAddr(self.u32()), self.u32());
+        // No texel lies at address 0: the root of the kd-tree does.
+        let record = ImageRecord { texels, width: (size & 0xFFFF) + 1, height: (size >> 16) + 1 };
+        (texels != HostAddr(0)).then_some(record)
+    }
+}
+
+/// Writes the image from its first byte to its last: the inverse of the `decode` functions.
+struct Writer {
+    bytes: Vec<u8>,
+}
+
+impl Writer {
+    fn u32(&mut self, word: u32) {
+        self.bytes.extend_from_slice(&word.to_le_bytes());
+    }
+
+    fn f32(&mut self, value: f32) {
+        self.u32(value.to_bits());
+    }
+
+    fn vec3(&mut self, value: Vec3) {
+        value.to_array().into_iter().for_each(|v| self.f32(v));
+    }
+
+    fn pad_to(&mut self, addr: u32) {
+        // 2³² wraps to 0: the image then ends with the address space.
+        let end = if addr == 0 && !self.bytes.is_empty() { 1 << 32 } else { addr as usize };
+        self.bytes.resize(end, 0);
+    }
+
+    fn node(&mut self, node: &Node, nodes: HostAddr, lists: HostAddr) {
+        match *node {
+            Node::Inner { axis, split, children } => {
+                self.f32(split);
+                self.u32(nodes.offset(children * NODE_BYTES).0 | axis as u32);
+            }
+            Node::Leaf { first, count } => {
+                self.u32(count);
+                self.u32(lists.offset(first * LIST_ENTRY_BYTES).0 | 3);
+            }
+        }
+    }
+
+    fn image(&mut self, image: Option<u32>, images: &[Image], addr: &[HostAddr]) {
+        match image {
+            Some(image) => {
+                let Image { width, height, .. } = images[image as usize];
+                self.u32(addr[image as usize].0);
+                self.u32((height - 1) << 16 | (width - 1));
+            }
+            None => [0, 0].into_iter().for_each(|word| self.u32(word)),
+        }
+    }
+
+    fn material(&mut self, material: &Material, features: Features, images: &[Image], addr: &[HostAddr]) {
+        self.vec3(material.diffuse);
+        if features.highlights {
+            self.vec3(material.specular);
+            self.f32(material.shininess);
+        }
+        if features.reflection {
+            self.f32(material.reflection);
+        }
+        if features.refraction {
+            self.f32(material.refraction);
+            self.f32(material.index_of_refraction);
+        }
+        if features.textures {
+            self.image(material.texture, images, addr);
+        }
+        if features.bump_maps {
+            self.image(material.bump, images, addr);
+            self.f32(material.bump_height);
+        }
+    }
+
+    fn shading_record(&mut self, scene: &Scene, id: usize, features: Features, material: HostAddr) {
+        let corners = scene.triangles[id].corners;
+        self.u32(material.0);
+        self.vec3(plane_normal(&corners));
+        if features.smooth_normals {
+            scene.normals[id].into_iter().for_each(|normal| self.vec3(normal));
+        }
+        if features.mapped() {
+            scene.tex_coords[id].into_iter().flat_map(|uv| [uv.x, uv.y]).for_each(|v| self.f32(v));
+        }
+        if features.bump_maps {
+            self.vec3(tangent(&corners, &scene.tex_coords[id]));
+        }
+    }
+}
+
+/// Unit normal of a triangle that is not degenerate, in f64: tiny triangles would underflow.
+fn plane_normal(corners: &[Vec3; 3]) -> Vec3 {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    (b - a).cross(c - a).normalize_or_zero().as_vec3()
+}
+
+/// Unit vector in the triangle's plane along which the first texture coordinate grows; zero where
+/// the texture coordinates span no area.
+fn tangent(corners: &[Vec3; 3], uv: &[Vec2; 3]) -> Vec3 {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let [ta, tb, tc] = uv.map(Vec2::as_dvec2);
+    let (db, dc) = (tb - ta, tc - ta);
+    let along = ((b - a) * dc.y - (c - a) * db.y) * db.perp_dot(dc).signum();
+    along.normalize_or_zero().as_vec3()
+}

@@ -1,0 +1,32 @@
+//! Executable specification of the SaarCOR ray tracing chip and its virtual memory (Schmittler,
+//! Leidinger, Slusallek 2003).
+//!
+//! `SPEC.md` beside this crate numbers the requirements (`VM-1` ...) that the code names. The
+//! modules in the order in which to read them:
+//!
+//! * the virtual memory of §3: [`units`], [`geometry`], [`hash`](mod@hash), [`set`], [`memory`],
+//!   [`vm`];
+//! * what lies in host memory: [`scene`], [`kdtree`], [`image`];
+//! * the units of a ray tracing pipeline, §2: [`ray`], [`raygen`], [`traversal`],
+//!   [`intersection`], [`shading`], [`rtp`].
+//!
+//! The crate is pure: no input or output, no clock, no randomness, no global state.
+//!
+//! Fused multiply-add is not used: each `*` and `+` rounds by itself, so that results are the same
+//! on every machine.
+
+pub mod geometry;
+pub mod hash;
+pub mod image;
+pub mod intersection;
+pub mod kdtree;
+pub mod memory;
+pub mod ray;
+pub mod raygen;
+pub mod rtp;
+pub mod scene;
+pub mod set;
+pub mod shading;
+pub mod traversal;
+pub mod units;
+pub mod vm;

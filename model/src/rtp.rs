@@ -1,0 +1,176 @@
+//! The ray tracing pipeline (§2): ray generation and shading (RGS) in front of the ray tracing
+//! core of traversal, list and intersection.
+
+use crate::image::Registers;
+use crate::memory::Memory;
+use crate::ray::{Packet, Query, Ray};
+use crate::raygen::{Frame, ray_from_surface};
+use crate::scene::Features;
+use crate::shading::{BACKGROUND, Surface, surfaces};
+use crate::traversal::Traversal;
+use glam::Vec3;
+
+/// Rays that were traced, by kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct RayCounts {
+    /// From the camera.
+    pub primary: u64,
+    /// Towards lights.
+    pub shadow: u64,
+    /// Reflected and refracted.
+    pub secondary: u64,
+}
+
+impl std::ops::AddAssign for RayCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.primary += other.primary;
+        self.shadow += other.shadow;
+        self.secondary += other.secondary;
+    }
+}
+
+impl RayCounts {
+    /// Rays of all kinds.
+    #[must_use]
+    pub fn total(self) -> u64 {
+        self.primary + self.shadow + self.secondary
+    }
+}
+
+/// A pipeline for packets of `N` rays.
+#[derive(Clone, Debug)]
+pub struct Pipeline<const N: usize> {
+    /// Reflections and refractions follow one another up to this many times (RG-4). At the last
+    /// surface their part of the light is left to the surface's own colour.
+    pub max_bounces: u32,
+    /// What was traced so far.
+    pub rays: RayCounts,
+    traversal: Traversal<N>,
+}
+
+impl<const N: usize> Pipeline<N> {
+    /// Bounces of the standard configuration (Assumed).
+    pub const STANDARD_BOUNCES: u32 = 3;
+
+    /// A pipeline that has traced nothing yet.
+    #[must_use]
+    pub fn new(max_bounces: u32) -> Self {
+        Self { max_bounces, rays: RayCounts::default(), traversal: Traversal::default() }
+    }
+
+    /// Makes one packet of a picture: the colours of its pixels, in the order of
+    /// [`Frame::pixels`].
+    pub fn render(
+        &mut self,
+        memory: &mut impl Memory,
+        registers: &Registers,
+        frame: &Frame,
+        packet: u32,
+    ) -> [Vec3; N] {
+        let packet = frame.primary_packet(packet);
+        self.rays.primary += u64::from(packet.active());
+        self.shade(memory, registers, &packet, 0)
+    }
+
+    /// The colours that the rays of `packet` see.
+    fn shade(
+        &mut self,
+        memory: &mut impl Memory,
+        registers: &Registers,
+        packet: &Packet<N>,
+        bounces: u32,
+    ) -> [Vec3; N] {
+        let hits = self.traversal.run(memory, registers, packet, Query::Closest);
+        let surfaces = surfaces(memory, registers, packet, &hits);
+        let own = self.own_colours(memory, registers, &surfaces);
+        let mut colours = own;
+        if bounces < self.max_bounces {
+            for bounce in Bounce::needed(registers.features) {
+                let next = Packet::new(surfaces.map(|surface| surface.and_then(|s| bounce.ray(&s))));
+                let rays = next.active();
+                if rays == 0 {
+                    continue;
+                }
+                self.rays.secondary += u64::from(rays);
+                let seen = self.shade(memory, registers, &next, bounces + 1);
+                for (lane, surface) in surfaces.iter().enumerate() {
+                    if let Some(surface) = surface.filter(|_| next.is_active(lane)) {
+                        // The surface's own colour gives way to what the new ray sees.
+                        colours[lane] += (seen[lane] - own[lane]) * bounce.part(&surface);
+                    }
+                }
+            }
+        }
+        colours
+    }
+
+    /// What the surfaces look like by themselves: unlit, or lit by each light that a shadow ray
+    /// reaches. Each hit sends one shadow ray a light (RG-5, Assumed).
+    fn own_colours(
+        &mut self,
+        memory: &mut impl Memory,
+        registers: &Registers,
+        surfaces: &[Option<Surface>; N],
+    ) -> [Vec3; N] {
+        if registers.lights.is_empty() {
+            return surfaces.map(|surface| surface.map_or(BACKGROUND, |s| s.unlit()));
+        }
+        let mut colours = surfaces.map(|surface| surface.map_or(BACKGROUND, |s| s.ambient()));
+        for light in &registers.lights {
+            let shadow = Packet::new(surfaces.map(|surface| {
+                surface.map(|s| {
+                    let to_light = light.position - s.point;
+                    let start = ray_from_surface(s.point, s.scale, s.plane_normal, to_light, 1.0);
+                    // The light, not a point beside it, is where the ray ends.
+                    Ray { direction: light.position - start.origin, ..start }
+                })
+            }));
+            let rays = shadow.active();
+            if rays == 0 {
+                return colours;
+            }
+            self.rays.shadow += u64::from(rays);
+            let hits = self.traversal.run(memory, registers, &shadow, Query::Any);
+            for (lane, surface) in surfaces.iter().enumerate() {
+                if let Some(surface) = surface.filter(|_| !hits.is_hit(lane)) {
+                    colours[lane] += surface.lit(light);
+                }
+            }
+        }
+        colours
+    }
+}
+
+/// The two kinds of secondary rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Bounce {
+    Reflection,
+    Refraction,
+}
+
+impl Bounce {
+    /// The kinds that the scene needs.
+    fn needed(features: Features) -> impl Iterator<Item = Self> {
+        let reflection = features.reflection.then_some(Self::Reflection);
+        reflection.into_iter().chain(features.refraction.then_some(Self::Refraction))
+    }
+
+    /// The part of the light that arrives by this kind of ray.
+    fn part(self, surface: &Surface) -> f32 {
+        match self {
+            Self::Reflection => surface.material.reflection,
+            Self::Refraction => surface.material.refraction,
+        }
+    }
+
+    /// The new ray; none where the material does not need it.
+    fn ray(self, surface: &Surface) -> Option<Ray> {
+        let direction = match self {
+            Self::Reflection => surface.mirrored(),
+            Self::Refraction => surface.refracted(),
+        };
+        let Surface { point, scale, plane_normal, .. } = *surface;
+        (self.part(surface) > 0.0)
+            .then(|| ray_from_surface(point, scale, plane_normal, direction, f32::INFINITY))
+    }
+}
