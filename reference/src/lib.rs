@@ -1,0 +1,18 @@
+//! What the SaarCOR model is judged by.
+//!
+//! Every oracle here is the obvious way to do its work, slow and short, so that a reader accepts
+//! it at a glance. Oracles use the model's types (addresses, triangles, configurations) and none
+//! of its functions that decide something: a fault of the model cannot hide in its judge.
+//!
+//! | oracle | judges |
+//! |---|---|
+//! | [`flat::FlatMemory`] | that the virtual memory is transparent |
+//! | [`cache::NaiveCache`] | hits, misses, ways, victims and counters |
+//! | [`cache::NaiveVirtualMemory`] | which bytes a unit receives, and as of when |
+//! | [`search::closest_hit`] | kd-tree traversal |
+//! | [`paper`] | figures, against the published ones |
+
+pub mod cache;
+pub mod flat;
+pub mod paper;
+pub mod search;
