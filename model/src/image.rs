@@ -47,7 +47,7 @@ pub struct Registers {
     pub shading: HostAddr,
     /// What the scene needs.
     pub features: Features,
-    /// The lights.
+    /// The lights. Their intensities add up to 1 at most.
     pub lights: Vec<Light>,
 }
 
@@ -191,7 +191,7 @@ impl HostImage {
             triangles: HostAddr(triangles),
             shading: HostAddr(shading),
             features,
-            lights: scene.lights.clone(),
+            lights: exposed(&scene.lights),
         };
         Ok(Self { bytes: out.bytes, registers, region_bytes: region_bytes.map(Bytes), triangle_ids })
     }
@@ -209,6 +209,14 @@ impl Registers {
     pub fn triangle_index(&self, addr: HostAddr) -> u32 {
         (addr.0 - self.triangles.0) / TRIANGLE_BYTES
     }
+}
+
+/// The lights with intensities that add up to 1 at most, so that no surface is brighter than its
+/// colour by diffuse light (SH-5, Assumed: the exposure of the camera).
+fn exposed(lights: &[Light]) -> Vec<Light> {
+    let sum: f32 = lights.iter().map(|light| light.intensity).sum();
+    let exposed = |light: &Light| Light { intensity: light.intensity / sum.max(1.0), ..*light };
+    lights.iter().map(exposed).collect()
 }
 
 /// The triangles in the order in which the lists first name them, and the place of each in that
@@ -534,4 +542,142 @@ fn tangent(corners: &[Vec3; 3], uv: &[Vec2; 3]) -> Vec3 {
     let (db, dc) = (tb - ta, tc - ta);
     let along = ((b - a) * dc.y - (c - a) * db.y) * db.perp_dot(dc).signum();
     along.normalize_or_zero().as_vec3()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{TexelFormat, Triangle};
+
+    /// Two triangles, one of them with every feature that a surface can have.
+    fn scene() -> Scene {
+        let plain = Material { diffuse: Vec3::new(0.1, 0.2, 0.3), ..Material::default() };
+        let rich = Material {
+            specular: Vec3::splat(0.5),
+            shininess: 20.0,
+            reflection: 0.25,
+            refraction: 0.125,
+            index_of_refraction: 1.5,
+            texture: Some(2),
+            bump: Some(0),
+            bump_height: 3.0,
+            ..plain
+        };
+        let corners = [Vec3::ZERO, Vec3::X * 2.0, Vec3::Y];
+        let image = |width, height, format: TexelFormat| Image {
+            width,
+            height,
+            format,
+            texels: (0..width * height * format.texel_bytes()).map(|i| i as u8).collect(),
+        };
+        Scene {
+            triangles: vec![
+                Triangle { corners, material: 0 },
+                Triangle { corners: corners.map(|corner| corner + Vec3::Z), material: 1 },
+            ],
+            tex_coords: vec![[Vec2::ZERO, Vec2::X, Vec2::Y]; 2],
+            normals: vec![[Vec3::X, Vec3::Y, Vec3::Z]; 2],
+            materials: vec![plain, rich],
+            images: vec![
+                image(3, 2, TexelFormat::Height8),
+                image(9, 9, TexelFormat::Rgba8),
+                image(2, 5, TexelFormat::Rgba8),
+            ],
+            lights: vec![Light { position: Vec3::Z, intensity: 1.0 }],
+            path: Vec::new(),
+        }
+    }
+
+    /// Second triangle first: the image is to follow the lists.
+    fn tree() -> KdTree {
+        KdTree {
+            bounds: Aabb { min: Vec3::ZERO, max: Vec3::new(2.0, 1.0, 1.0) },
+            nodes: vec![
+                Node::Inner { axis: Axis::Z, split: 0.5, children: 1 },
+                Node::Leaf { first: 0, count: 2 },
+                Node::Leaf { first: 2, count: 1 },
+            ],
+            refs: vec![1, 0, 1],
+        }
+    }
+
+    fn bytes_at(image: &HostImage, addr: HostAddr, len: u32) -> &[u8] {
+        &image.bytes[addr.0 as usize..][..len as usize]
+    }
+
+    fn word_at(image: &HostImage, addr: HostAddr) -> u32 {
+        u32::from_le_bytes(bytes_at(image, addr, 4).try_into().expect("four bytes"))
+    }
+
+    #[test]
+    fn what_is_written_reads_back() {
+        let (scene, tree) = (scene(), tree());
+        let image = HostImage::build(&scene, &tree, Kernel::MollerTrumbore).expect("valid");
+        let Registers { root, triangles, shading, features, .. } = image.registers;
+        let node = |addr: HostAddr| {
+            NodeRecord::decode(bytes_at(&image, addr, NODE_BYTES).try_into().expect("eight bytes"))
+        };
+        let NodeRecord::Inner { axis: Axis::Z, split: 0.5, below } = node(root) else {
+            panic!("{:?}", node(root));
+        };
+        let NodeRecord::Leaf { list, count: 2 } = node(below) else { panic!("{:?}", node(below)) };
+        assert_eq!((word_at(&image, list), word_at(&image, list.offset(4))), (triangles.0, triangles.0 + 36));
+        assert_eq!(image.triangle_ids, [1, 0]);
+        // z of the first corner of the first triangle of the image: the scene's second.
+        assert_eq!(word_at(&image, triangles.offset(8)), 1.0_f32.to_bits());
+
+        let record =
+            ShadingRecord::decode(bytes_at(&image, shading, features.shading_record_bytes()), features);
+        assert_eq!((record.normal, record.tangent), (Vec3::Z, Vec3::X));
+        assert_eq!((record.normals, record.tex_coords), (scene.normals[1], scene.tex_coords[1]));
+        let material =
+            MaterialRecord::decode(bytes_at(&image, record.material, features.material_bytes()), features);
+        let rich = scene.materials[1];
+        assert_eq!(
+            (material.diffuse, material.specular, material.shininess),
+            (rich.diffuse, rich.specular, 20.0)
+        );
+        assert_eq!(
+            (material.reflection, material.refraction, material.index_of_refraction),
+            (0.25, 0.125, 1.5)
+        );
+        let (texture, (bump, height)) = material.texture.zip(material.bump).expect("both");
+        assert_eq!((texture.width, texture.height, bump.width, bump.height, height), (2, 5, 3, 2, 3.0));
+        assert_eq!(bytes_at(&image, texture.texels, 40), scene.images[2].texels);
+        assert_eq!(bytes_at(&image, bump.texels, 6), scene.images[0].texels);
+    }
+
+    #[test]
+    fn records_fit_their_buffer() {
+        let all = Features {
+            textures: true,
+            bump_maps: true,
+            lights: 1,
+            smooth_normals: true,
+            highlights: true,
+            reflection: true,
+            refraction: true,
+        };
+        let most = all.material_bytes().max(all.shading_record_bytes());
+        assert_eq!(most as usize, Features::MAX_RECORD_BYTES);
+    }
+
+    #[test]
+    fn what_is_not_needed_is_not_stored() {
+        let mut scene = scene();
+        scene.triangles[1].material = 0;
+        scene.normals.clear();
+        let image = HostImage::build(&scene, &tree(), Kernel::Wald).expect("valid");
+        let features = image.registers.features;
+        assert_eq!((features.material_bytes(), features.shading_record_bytes()), (12, 16));
+        assert_eq!(image.region_bytes[4], Bytes(0));
+    }
+
+    #[test]
+    fn faults_of_the_driver_are_refused() {
+        let mut tree = tree();
+        tree.refs[0] = 2;
+        let fault = HostImage::build(&scene(), &tree, Kernel::Wald).expect_err("no such triangle");
+        assert_eq!(fault, ImageError::Tree(KdTreeError::Triangle { place: 0, triangle: 2 }));
+    }
 }

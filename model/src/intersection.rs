@@ -256,3 +256,73 @@ fn lanes<const N: usize>(
         hits.triangle[lane] = if accepted { addr } else { hits.triangle[lane] };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    const CORNERS: [Vec3; 3] = [Vec3::new(1.0, 2.0, 5.0), Vec3::new(4.0, 2.5, 6.0), Vec3::new(2.0, 5.0, 4.0)];
+
+    fn towards(u: f32, v: f32) -> Vec3 {
+        CORNERS[0] * (1.0 - u - v) + CORNERS[1] * u + CORNERS[2] * v
+    }
+
+    #[test]
+    fn kernels_find_the_point_aimed_at() {
+        for kernel in [Kernel::MollerTrumbore, Kernel::Wald] {
+            for (u, v) in [(0.25, 0.25), (0.1, 0.7), (0.7, 0.1), (-0.2, 0.5), (0.8, 0.9)] {
+                let origin = Vec3::new(0.5, -1.0, 0.25);
+                let found = Prepared::new(kernel, &CORNERS).intersect(origin, (towards(u, v) - origin) / 2.0);
+                assert_relative_eq!(found.t, 2.0, max_relative = 1e-5);
+                assert_relative_eq!(found.u, u, epsilon = 1e-5);
+                assert_relative_eq!(found.v, v, epsilon = 1e-5);
+                assert_eq!(found.is_inside(), u >= 0.0 && v >= 0.0 && u + v <= 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn rays_in_the_plane_and_nan_are_no_hits() {
+        for kernel in [Kernel::MollerTrumbore, Kernel::Wald] {
+            let triangle = Prepared::new(kernel, &[Vec3::ZERO, Vec3::X, Vec3::Y]);
+            assert!(!triangle.intersect(Vec3::new(-1.0, 0.25, 0.0), Vec3::X).is_inside());
+            assert!(!triangle.intersect(Vec3::NAN, Vec3::Z).is_inside());
+            assert!(!triangle.intersect(Vec3::NEG_Z, Vec3::ZERO).is_inside());
+        }
+    }
+
+    /// A packet of two rays along z towards the point (0.25, 0.25, 0), of which the second ends
+    /// before it.
+    fn packet() -> Packet<2> {
+        let ray = crate::ray::Ray {
+            origin: Vec3::new(0.25, 0.25, -2.0),
+            direction: Vec3::Z,
+            t_min: 0.0,
+            t_max: f32::INFINITY,
+        };
+        Packet::new([Some(ray), Some(crate::ray::Ray { t_max: 2.0, ..ray })])
+    }
+
+    #[test]
+    fn range_is_half_open_and_ties_go_to_the_lower_address() {
+        let packet = packet();
+        let all = (&packet.t_min, &packet.t_max);
+        let triangle = Prepared::new(Kernel::MollerTrumbore, &[Vec3::ZERO, Vec3::X, Vec3::Y]);
+        let mut hits = Hits::none(&packet);
+        for addr in [72, 36, 108] {
+            triangle.intersect_packet(addr, &packet, all, Query::Closest, &mut hits);
+        }
+        assert_eq!((hits.t[0], hits.triangle[0]), (2.0, 36));
+        assert!(!hits.is_hit(1));
+    }
+
+    #[test]
+    fn rays_outside_of_the_cell_are_masked() {
+        let packet = packet();
+        let mut hits = Hits::none(&packet);
+        let triangle = Prepared::new(Kernel::MollerTrumbore, &[Vec3::ZERO, Vec3::X, Vec3::Y]);
+        triangle.intersect_packet(36, &packet, (&[1.0; 2], &[0.5; 2]), Query::Closest, &mut hits);
+        assert_eq!(hits, Hits::none(&packet));
+    }
+}

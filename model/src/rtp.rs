@@ -37,6 +37,10 @@ impl RayCounts {
     }
 }
 
+/// Least part of a pixel's light for which a secondary ray is sent: one step of an 8-bit colour
+/// (RG-6, Assumed).
+pub const LEAST_PART: f32 = 1.0 / 256.0;
+
 /// A pipeline for packets of `N` rays.
 #[derive(Clone, Debug)]
 pub struct Pipeline<const N: usize> {
@@ -50,7 +54,7 @@ pub struct Pipeline<const N: usize> {
 
 impl<const N: usize> Pipeline<N> {
     /// Bounces of the standard configuration (Assumed).
-    pub const STANDARD_BOUNCES: u32 = 3;
+    pub const STANDARD_BOUNCES: u32 = 5;
 
     /// A pipeline that has traced nothing yet.
     #[must_use]
@@ -69,15 +73,16 @@ impl<const N: usize> Pipeline<N> {
     ) -> [Vec3; N] {
         let packet = frame.primary_packet(packet);
         self.rays.primary += u64::from(packet.active());
-        self.shade(memory, registers, &packet, 0)
+        self.shade(memory, registers, &packet, &[1.0; N], 0)
     }
 
-    /// The colours that the rays of `packet` see.
+    /// The colours that the rays of `packet` see, each of which is a `part` of its pixel's light.
     fn shade(
         &mut self,
         memory: &mut impl Memory,
         registers: &Registers,
         packet: &Packet<N>,
+        part: &[f32; N],
         bounces: u32,
     ) -> [Vec3; N] {
         let hits = self.traversal.run(memory, registers, packet, Query::Closest);
@@ -86,13 +91,19 @@ impl<const N: usize> Pipeline<N> {
         let mut colours = own;
         if bounces < self.max_bounces {
             for bounce in Bounce::needed(registers.features) {
-                let next = Packet::new(surfaces.map(|surface| surface.and_then(|s| bounce.ray(&s))));
+                let next_part: [f32; N] = std::array::from_fn(|lane| {
+                    surfaces[lane].map_or(0.0, |surface| part[lane] * bounce.part(&surface))
+                });
+                let next = Packet::new(std::array::from_fn(|lane| {
+                    let surface = surfaces[lane].filter(|_| next_part[lane] >= LEAST_PART);
+                    surface.map(|surface| bounce.ray(&surface))
+                }));
                 let rays = next.active();
                 if rays == 0 {
                     continue;
                 }
                 self.rays.secondary += u64::from(rays);
-                let seen = self.shade(memory, registers, &next, bounces + 1);
+                let seen = self.shade(memory, registers, &next, &next_part, bounces + 1);
                 for (lane, surface) in surfaces.iter().enumerate() {
                     if let Some(surface) = surface.filter(|_| next.is_active(lane)) {
                         // The surface's own colour gives way to what the new ray sees.
@@ -163,14 +174,13 @@ impl Bounce {
         }
     }
 
-    /// The new ray; none where the material does not need it.
-    fn ray(self, surface: &Surface) -> Option<Ray> {
+    /// The new ray.
+    fn ray(self, surface: &Surface) -> Ray {
         let direction = match self {
             Self::Reflection => surface.mirrored(),
             Self::Refraction => surface.refracted(),
         };
         let Surface { point, scale, plane_normal, .. } = *surface;
-        (self.part(surface) > 0.0)
-            .then(|| ray_from_surface(point, scale, plane_normal, direction, f32::INFINITY))
+        ray_from_surface(point, scale, plane_normal, direction, f32::INFINITY)
     }
 }

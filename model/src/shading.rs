@@ -11,8 +11,8 @@ use crate::scene::{Features, Light, TexelFormat};
 use crate::units::HostAddr;
 use glam::{Vec2, Vec3};
 
-/// Part of a surface's colour that is seen without light, or from the side (SH-3, Assumed).
-pub const AMBIENT: f32 = 0.2;
+/// Part of a surface's colour that does not depend on lights (SH-3, Assumed).
+pub const AMBIENT: f32 = 0.3;
 
 /// Colour where a ray hits nothing (SH-4, Assumed).
 pub const BACKGROUND: Vec3 = Vec3::new(0.55, 0.65, 0.75);
@@ -199,14 +199,19 @@ impl Surface {
     /// the side (SH-3).
     #[must_use]
     pub fn unlit(&self) -> Vec3 {
-        let facing = -self.normal.dot(self.direction);
-        self.diffuse * (AMBIENT + (1.0 - AMBIENT) * facing)
+        self.diffuse * (AMBIENT + (1.0 - AMBIENT) * self.facing())
     }
 
-    /// The colour of a surface that no light reaches, in a scene with lights (SH-3).
+    /// The colour of a surface that no light reaches, in a scene with lights: half as bright where
+    /// it is seen from the side, so that shapes show in the shadow (SH-3).
     #[must_use]
     pub fn ambient(&self) -> Vec3 {
-        self.diffuse * AMBIENT
+        self.diffuse * (AMBIENT * (1.0 + self.facing()) / 2.0)
+    }
+
+    /// How much the surface faces the viewer: 1 straight, 0 seen from the side.
+    fn facing(&self) -> f32 {
+        -self.normal.dot(self.direction)
     }
 
     /// What `light` adds where nothing is in its way: Phong's diffuse and specular terms (SH-3).
@@ -222,7 +227,7 @@ impl Surface {
             let glance = to_light.dot(self.mirrored()).max(0.0);
             colour += self.material.specular * glance.powf(self.material.shininess);
         }
-        colour * light.intensity
+        colour * ((1.0 - AMBIENT) * light.intensity)
     }
 
     /// Direction of the mirrored ray.
@@ -243,5 +248,86 @@ impl Surface {
             return self.mirrored();
         }
         (self.direction * ratio + self.normal * (ratio * cosine - square.sqrt())).normalize()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    /// An image of 2 × 2 texels in a memory of its own: black, red; green, blue.
+    struct Texels;
+
+    const IMAGE: ImageRecord = ImageRecord { texels: HostAddr(0), width: 2, height: 2 };
+
+    impl Memory for Texels {
+        fn read(&mut self, port: Port, addr: HostAddr, bytes: &mut [u8]) {
+            assert_eq!(port, Port::Shading);
+            let texels = [0, 0, 0, 255, 255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255];
+            bytes.copy_from_slice(&texels[addr.0 as usize..][..bytes.len()]);
+        }
+    }
+
+    #[test]
+    fn texels_are_met_at_their_centres_with_v_upwards() {
+        let at = |u, v| sample_colour(&mut Texels, IMAGE, Vec2::new(u, v));
+        assert_eq!(at(0.25, 0.75), Vec3::ZERO);
+        assert_eq!(at(0.75, 0.75), Vec3::X);
+        assert_eq!(at(0.25, 0.25), Vec3::Y);
+        assert_eq!(at(0.75, 0.25), Vec3::Z);
+        assert_eq!(at(0.5, 0.75), Vec3::X / 2.0);
+    }
+
+    #[test]
+    fn images_tile() {
+        let at = |u, v| sample_colour(&mut Texels, IMAGE, Vec2::new(u, v));
+        assert_eq!(at(-3.75, 5.75), at(0.25, 0.75));
+        // Half way between the last column and the first of the next tile.
+        assert_eq!(at(1.0, 0.75), Vec3::X / 2.0);
+        // Far off, or nowhere: some texel, no panic.
+        at(1e30, -1e30);
+        at(f32::NAN, f32::INFINITY);
+    }
+
+    /// A surface in the plane z = 0, seen from above at 45 degrees.
+    fn surface(index_of_refraction: f32, front: bool) -> Surface {
+        let material = MaterialRecord {
+            diffuse: Vec3::ONE,
+            specular: Vec3::ZERO,
+            shininess: 1.0,
+            reflection: 0.0,
+            refraction: 1.0,
+            index_of_refraction,
+            texture: None,
+            bump: None,
+        };
+        Surface {
+            point: Vec3::ZERO,
+            scale: 1.0,
+            direction: Vec3::new(1.0, 0.0, -1.0).normalize(),
+            plane_normal: Vec3::Z,
+            normal: Vec3::Z,
+            front,
+            diffuse: Vec3::ONE,
+            material,
+        }
+    }
+
+    #[test]
+    fn refraction_obeys_snell() {
+        let refracted = surface(1.5, true).refracted();
+        assert_relative_eq!(refracted.x, std::f32::consts::FRAC_1_SQRT_2 / 1.5, epsilon = 1e-6);
+        assert!(refracted.z < 0.0);
+        // From the inside, 45 degrees are beyond the critical angle of 41.8.
+        let inside = surface(1.5, false);
+        assert_eq!(inside.refracted(), inside.mirrored());
+    }
+
+    #[test]
+    fn light_from_behind_adds_nothing() {
+        let light = |z| Light { position: Vec3::Z * z, intensity: 0.5 };
+        assert_eq!(surface(1.0, true).lit(&light(-1.0)), Vec3::ZERO);
+        assert_eq!(surface(1.0, true).lit(&light(2.0)), Vec3::splat(0.5 * (1.0 - AMBIENT)));
     }
 }

@@ -228,3 +228,46 @@ fn clip_to_bounds<const N: usize>(
     }
     intervals
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn is_empty((enter, leave): (f32, f32)) -> bool {
+        enter > leave
+    }
+
+    #[test]
+    fn planes_split_the_interval() {
+        let [below, above] = visit(1.0, 5.0, 3.0, false);
+        assert!(below.0 == 1.0 && below.1 >= 3.0 && above.0 <= 3.0 && above.1 == 5.0);
+        assert!(below.1 - above.0 < 1e-5);
+        assert_eq!(visit(1.0, 5.0, 3.0, true), [above, below]);
+        let [below, above] = visit(1.0, 5.0, 7.0, false);
+        assert!(!is_empty(below) && is_empty(above));
+        let [below, above] = visit(1.0, 5.0, -7.0, false);
+        assert!(is_empty(below) && !is_empty(above));
+    }
+
+    #[test]
+    fn parallel_rays_stay_on_their_side() {
+        // (split - origin) / 0, from below and from above the plane.
+        for (zero, downwards) in [(0.0_f32, false), (-0.0, true)] {
+            let [below, above] = visit(0.0, 9.0, 1.0 / zero, downwards);
+            assert!((!is_empty(below), is_empty(above)) == (true, true));
+            let [below, above] = visit(0.0, 9.0, -1.0 / zero, downwards);
+            assert!((is_empty(below), !is_empty(above)) == (true, true));
+        }
+    }
+
+    #[test]
+    fn rays_in_the_plane_go_to_both_sides() {
+        assert_eq!(visit(0.0, 9.0, f32::NAN, false), [(0.0, 9.0); 2]);
+        assert_eq!(visit(0.0, 9.0, f32::NAN, true), [(0.0, 9.0); 2]);
+    }
+
+    #[test]
+    fn minus_zero_is_downwards() {
+        assert!(is_downwards(1.0 / -0.0) && !is_downwards(1.0 / 0.0));
+    }
+}

@@ -291,6 +291,15 @@ fn accessed_line_is_resident<const WAYS: usize>(state: &State, line: LineAddr) -
     Ok(())
 }
 
+fn same_line_again_hits_and_changes_nothing<const WAYS: usize>(
+    state: &State,
+    line: LineAddr,
+) -> Result<(), TestCaseError> {
+    let (after, outcome) = state.set::<WAYS>().access(line, state.policy);
+    prop_assert_eq!(after.access(line, state.policy), (after, Outcome::Hit { way: outcome.way() }));
+    Ok(())
+}
+
 fn other_lines_stay<const WAYS: usize>(state: &State, line: LineAddr) -> Result<(), TestCaseError> {
     let before = state.set::<WAYS>();
     let (after, outcome) = before.access(line, state.policy);
@@ -399,6 +408,7 @@ step_laws!(
     invalidation_keeps_invariant,
     hit_iff_resident,
     accessed_line_is_resident,
+    same_line_again_hits_and_changes_nothing,
     other_lines_stay,
     free_way_before_victim,
     ages_are_those_of_the_policy,
@@ -446,6 +456,30 @@ fn access_changes_its_own_set<const WAYS: usize>(
         }
     }
     Ok(())
+}
+
+fn invalidation_forgets_the_range<const WAYS: usize>(
+    config: CacheConfig,
+    run: &[LineAddr],
+    addr: HostAddr,
+    len: u64,
+) -> Result<(), TestCaseError> {
+    let mut directory = Directory::<WAYS>::new(config);
+    for &line in run {
+        directory.access(line);
+    }
+    let before = resident_lines(&directory);
+    directory.invalidate(addr, len);
+    let range = config.lines_of(addr, len);
+    let (gone, kept): (Vec<_>, _) = before.into_iter().partition(|line| range.contains(&u64::from(line.0)));
+    prop_assert_eq!(resident_lines(&directory), kept);
+    prop_assert_eq!(directory.counters().invalidated, gone.len() as u64);
+    Ok(())
+}
+
+/// All lines that a cache holds, set by set.
+fn resident_lines<const WAYS: usize>(directory: &Directory<WAYS>) -> Vec<LineAddr> {
+    directory.sets().iter().flat_map(contents).map(|(line, _)| line).collect()
 }
 
 fn flush_makes_a_new_directory<const WAYS: usize>(
@@ -507,6 +541,17 @@ proptest! {
     }
 
     #[test]
+    fn invalidated_ranges_are_gone(
+        config in caches(0..=4),
+        run in runs(),
+        addr in 0..20_000u32,
+        len in prop_oneof![0..2_000u64, Just(u64::from(u32::MAX)), Just(u64::MAX)],
+    ) {
+        let addr = HostAddr(addr);
+        with_ways!(config.geometry.ways(), invalidation_forgets_the_range(config, &run, addr, len))?;
+    }
+
+    #[test]
     fn flushed_is_new(config in caches(0..=4), run in runs()) {
         with_ways!(config.geometry.ways(), flush_makes_a_new_directory(config, &run))?;
     }
@@ -527,7 +572,8 @@ proptest! {
         len in 0..500u64,
     ) {
         let bytes = (u64::from(addr)..).take(len as usize).filter_map(|byte| u32::try_from(byte).ok());
-        let expected: BTreeSet<_> = bytes.map(|byte| config.geometry.line_of(HostAddr(byte))).collect();
+        let line_of = |byte| u64::from(config.geometry.line_of(HostAddr(byte)).0);
+        let expected: BTreeSet<_> = bytes.map(line_of).collect();
         let lines: Vec<_> = config.lines_of(HostAddr(addr), len).collect();
         prop_assert_eq!(lines, expected.into_iter().collect::<Vec<_>>());
     }
