@@ -1,0 +1,24 @@
+//! Scenes for the SaarCOR model.
+//!
+//! * [`load_obj`] reads a scene from OBJ and MTL files, PNG and JPEG images, a camera path
+//!   (`camera.csv`) and lights (`lights.csv`); [`export_obj`] writes one that reads back the same.
+//! * [`builtin`] makes scenes of the kinds that the paper's Table 1 names.
+//! * [`kdbuild`] builds the kd-tree that the chip traverses.
+//!
+//! Wrong input never panics: each error of a file is a [`SceneError`], one line that says what is
+//! wrong, where, and what would be right.
+
+pub mod builtin;
+mod csv;
+mod error;
+mod export;
+pub mod kdbuild;
+mod obj;
+mod overview;
+mod text;
+
+pub use csv::{read_cameras, read_lights};
+pub use error::SceneError;
+pub use export::export_obj;
+pub use obj::load_obj;
+pub use overview::overview;
