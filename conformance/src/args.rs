@@ -1,0 +1,327 @@
+//! What arguments mean, and the groups of arguments that verbs share.
+
+use crate::limits::check_state;
+use crate::standard;
+use crate::walk::{PacketSize, TraceOptions};
+use crate::world::{World, WorldOptions};
+use anyhow::{Result, bail};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use saarcor_model::geometry::Geometry;
+use saarcor_model::hash::Hash;
+use saarcor_model::intersection::Kernel;
+use saarcor_model::set::Policy;
+use saarcor_model::units::Bytes;
+use saarcor_model::vm::CacheConfig;
+use saarcor_scenes::kdbuild::{BuildOptions, SplitRule};
+use std::fmt;
+use std::ops::Range;
+use std::str::FromStr;
+
+/// Values of an argument by their names.
+type Choices<T> = &'static [(&'static str, T)];
+
+const HASHES: Choices<Hash> =
+    &[("low", Hash::Low), ("add-upper", Hash::AddUpper), ("add-upper-all", Hash::AddUpperAll)];
+const POLICIES: Choices<Policy> = &[("lru", Policy::Lru), ("fifo", Policy::Fifo), ("plru", Policy::Plru)];
+const KERNELS: Choices<Kernel> = &[("moller-trumbore", Kernel::MollerTrumbore), ("wald", Kernel::Wald)];
+const TREES: Choices<SplitRule> = &[("sah", SplitRule::SurfaceArea), ("median", SplitRule::SpatialMedian)];
+const PACKETS: Choices<PacketSize> = &[
+    ("1", PacketSize::Rays1),
+    ("4", PacketSize::Rays4),
+    ("16", PacketSize::Rays16),
+    ("64", PacketSize::Rays64),
+];
+const WAYS: Choices<u32> = &[("1", 1), ("2", 2), ("4", 4), ("8", 8), ("16", 16)];
+
+/// An argument that is one of `choices`.
+fn choice<T: Copy + Send + Sync>(choices: Choices<T>) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(choices.iter().map(|(name, _)| *name)).map(move |given| {
+        let chosen = choices.iter().find(|(name, _)| *name == given);
+        chosen.expect("the parser lets only these names pass").1
+    })
+}
+
+/// The name of one of `choices`.
+fn name_of<T: PartialEq>(choices: Choices<T>, value: &T) -> &'static str {
+    choices.iter().find(|(_, choice)| choice == value).expect("every value has its name").0
+}
+
+/// A size in bytes: `128`, `64KiB`, `8MiB`, `1GiB`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size(pub Bytes);
+
+/// Units of sizes, the largest first, with their binary logarithms.
+const UNITS: [(&str, u32); 4] = [("GiB", 30), ("MiB", 20), ("KiB", 10), ("", 0)];
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let right = "write bytes, KiB, MiB or GiB, such as 128 or 8MiB";
+        let (unit, shift) = UNITS.into_iter().find(|(unit, _)| text.ends_with(unit)).unwrap_or_default();
+        let digits = &text[..text.len() - unit.len()];
+        if digits.is_empty() || !digits.bytes().all(|digit| digit.is_ascii_digit()) {
+            return Err(format!("no size; {right}"));
+        }
+        let number = digits.parse::<u64>().ok().and_then(|number| number.checked_mul(1 << shift));
+        number.map(|bytes| Self(Bytes(bytes))).ok_or_else(|| "too large a size".to_owned())
+    }
+}
+
+impl fmt::Display for Size {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Bytes(bytes) = self.0;
+        let fits = |(_, shift): &(&str, u32)| bytes != 0 && bytes % (1 << shift) == 0;
+        let (unit, shift) = UNITS.into_iter().find(fits).unwrap_or_default();
+        write!(f, "{}{unit}", bytes >> shift)
+    }
+}
+
+/// Frames of a path, half open: `A..B`, `A..`, `..B` or `..`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameRange {
+    begin: Option<usize>,
+    end: Option<usize>,
+}
+
+impl FromStr for FrameRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let right = || "write A..B for the frames from A on and before B".to_owned();
+        let (begin, end) = text.split_once("..").ok_or_else(right)?;
+        let bound = |bound: &str| match bound {
+            "" => Ok(None),
+            number if number.bytes().all(|digit| digit.is_ascii_digit()) => {
+                number.parse().map(Some).map_err(|_| "too large a frame".to_owned())
+            }
+            _ => Err(right()),
+        };
+        let (begin, end) = (bound(begin)?, bound(end)?);
+        match end {
+            Some(end) if end <= begin.unwrap_or(0) => {
+                Err("no frames: B itself is not among the frames of A..B".to_owned())
+            }
+            _ => Ok(Self { begin, end }),
+        }
+    }
+}
+
+impl FrameRange {
+    /// These frames of the world's path.
+    ///
+    /// # Errors
+    /// If the path does not have them.
+    pub fn of(self, world: &World) -> Result<Range<usize>> {
+        let begin = self.begin.unwrap_or(0);
+        // An open range names its first frame, whether the path has it or not.
+        let end = self.end.unwrap_or_else(|| world.path.len().max(begin.saturating_add(1)));
+        world.frames(Some(begin..end))
+    }
+}
+
+/// Pixels a row and rows: `1024x768`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Resolution {
+    width: u32,
+    height: u32,
+}
+
+/// Most pixels a row and most rows.
+const MAX_SIDE: u32 = 16384;
+
+impl FromStr for Resolution {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let side = |text: &str| text.parse().ok().filter(|side| (1..=MAX_SIDE).contains(side));
+        let sides = text.split_once('x').and_then(|(width, height)| side(width).zip(side(height)));
+        let (width, height) = sides
+            .ok_or_else(|| format!("write WIDTHxHEIGHT, such as 1024x768, of 1 to {MAX_SIDE} pixels"))?;
+        Ok(Self { width, height })
+    }
+}
+
+impl fmt::Display for Resolution {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{}", self.width, self.height)
+    }
+}
+
+/// Which scene, and how it is made ready for the chip.
+#[derive(Clone, Debug, clap::Args)]
+pub struct SceneArgs {
+    /// A built-in scene ('saarcor scenes' lists them) or the path of an OBJ file
+    #[arg(value_name = "SCENE")]
+    pub scene: String,
+    /// Takes only the first N lights
+    #[arg(long, value_name = "N")]
+    lights: Option<usize>,
+    /// How the kd-tree is built: surface area heuristic, or spatial median as in 2003
+    #[arg(long, value_parser = choice(TREES), default_value = name_of(TREES, &SplitRule::SurfaceArea))]
+    tree: SplitRule,
+    /// Triangle test
+    #[arg(long, value_parser = choice(KERNELS), default_value = name_of(KERNELS, &Kernel::default()))]
+    kernel: Kernel,
+}
+
+impl SceneArgs {
+    /// What to make ready.
+    #[must_use]
+    pub fn options(&self) -> WorldOptions {
+        WorldOptions {
+            scene: self.scene.clone(),
+            lights: self.lights,
+            tree: BuildOptions { rule: self.tree, ..BuildOptions::default() },
+            kernel: self.kernel,
+        }
+    }
+}
+
+/// Sizes of the virtual memory.
+#[derive(Clone, Debug, clap::Args)]
+pub struct GeometryArgs {
+    /// Size of a line
+    #[arg(long, value_name = "SIZE", default_value_t = Size(standard::line()))]
+    line: Size,
+    /// Lines a set
+    #[arg(long, value_parser = choice(WAYS), default_value = name_of(WAYS, &standard::ways()))]
+    ways: u32,
+}
+
+impl GeometryArgs {
+    /// The cache of these sizes that `memory` makes.
+    ///
+    /// # Errors
+    /// If the sizes do not make a cache.
+    pub fn geometry(&self, memory: Size) -> Result<Geometry> {
+        Ok(Geometry::new(memory.0, self.line.0, self.ways)?)
+    }
+}
+
+/// The virtual memory.
+#[derive(Clone, Debug, clap::Args)]
+pub struct CacheArgs {
+    /// On-board memory [default: the paper's for a built-in scene, else 8MiB]
+    #[arg(long, value_name = "SIZE")]
+    memory: Option<Size>,
+    #[command(flatten)]
+    geometry: GeometryArgs,
+    /// How a line's set is found
+    #[arg(long, value_parser = choice(HASHES), default_value = name_of(HASHES, &Hash::default()))]
+    hash: Hash,
+    /// Which line of a full set gives way
+    #[arg(long, value_parser = choice(POLICIES), default_value = name_of(POLICIES, &Policy::default()))]
+    policy: Policy,
+}
+
+impl CacheArgs {
+    /// The virtual memory for a scene.
+    ///
+    /// # Errors
+    /// If the sizes do not make a cache, or one that takes too much memory to simulate.
+    pub fn config(&self, scene: &str) -> Result<CacheConfig> {
+        let geometry = self.geometry.geometry(self.memory.unwrap_or(Size(standard::memory(scene))))?;
+        let config = CacheConfig { geometry, hash: self.hash, policy: self.policy };
+        check_state(config, Bytes(0))?;
+        Ok(config)
+    }
+}
+
+/// The virtual memory in words.
+#[must_use]
+pub fn describe(config: &CacheConfig) -> String {
+    let CacheConfig { geometry, hash, policy } = config;
+    format!(
+        "virtual memory: {}, {} ways, lines of {}, hash {}, {}; metadata {} KiB",
+        Size(geometry.memory()),
+        geometry.ways(),
+        Size(geometry.line()),
+        name_of(HASHES, hash),
+        name_of(POLICIES, policy),
+        geometry.metadata().0 as f64 / 1024.0
+    )
+}
+
+/// How frames are traced.
+#[derive(Clone, Debug, clap::Args)]
+pub struct TraceArgs {
+    /// Size of the picture in pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value_t = Resolution {
+        width: standard::RESOLUTION.0, height: standard::RESOLUTION.1
+    })]
+    resolution: Resolution,
+    /// Rays a packet
+    #[arg(long, value_parser = choice(PACKETS), default_value = name_of(PACKETS, &PacketSize::Rays64))]
+    packet: PacketSize,
+    /// Reflections and refractions that may follow one another
+    #[arg(long, value_name = "N", default_value_t = standard::MAX_BOUNCES,
+          value_parser = clap::value_parser!(u32).range(0..=16))]
+    bounces: u32,
+}
+
+impl TraceArgs {
+    /// How frames are traced.
+    #[must_use]
+    pub fn options(&self) -> TraceOptions {
+        let Resolution { width, height } = self.resolution;
+        TraceOptions { resolution: (width, height), packet: self.packet, max_bounces: self.bounces }
+    }
+}
+
+/// Checks that the path of `world` has `frame`.
+///
+/// # Errors
+/// If it has not.
+pub fn check_frame(world: &World, frame: usize) -> Result<()> {
+    let Some(end) = frame.checked_add(1) else { bail!("frame {frame}: too large") };
+    world.frames(Some(frame..end)).map(drop)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_read_back_as_they_are_written() {
+        for (text, bytes) in [("128", 128), ("64KiB", 65_536), ("8MiB", 8 << 20), ("1GiB", 1 << 30), ("0", 0)]
+        {
+            assert_eq!(text.parse(), Ok(Size(Bytes(bytes))));
+            assert_eq!(Size(Bytes(bytes)).to_string(), text);
+        }
+        assert_eq!("1024KiB".parse(), "1MiB".parse::<Size>());
+        assert_eq!(Size(Bytes(1536)).to_string(), "1536");
+    }
+
+    #[test]
+    fn what_is_no_size_is_refused() {
+        for text in ["", "8M", "8MB", "MiB", "-1", "1.5MiB", "+8", " 8", "0x10", "8 MiB", "8mib"] {
+            assert!(text.parse::<Size>().is_err_and(|error| error.contains("8MiB")), "{text}");
+        }
+        for text in ["18446744073709551616", "99999999999GiB"] {
+            assert!(text.parse::<Size>().is_err_and(|error| error.contains("large")), "{text}");
+        }
+    }
+
+    #[test]
+    fn ranges_are_half_open() {
+        let range = |begin, end| Ok(FrameRange { begin, end });
+        assert_eq!("3..5".parse(), range(Some(3), Some(5)));
+        assert_eq!("3..".parse(), range(Some(3), None));
+        assert_eq!("..5".parse(), range(None, Some(5)));
+        assert_eq!("..".parse(), range(None, None));
+        for text in
+            ["", "3", "5..3", "3..3", "..0", "-1..2", "3...5", "3..=5", "a..b", "0..99999999999999999999"]
+        {
+            assert!(text.parse::<FrameRange>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn resolutions_are_bounded() {
+        assert_eq!("640x480".parse(), Ok(Resolution { width: 640, height: 480 }));
+        for text in ["", "640", "0x480", "640x", "640x480x3", "99999x1", "-1x1", "640X480"] {
+            assert!(text.parse::<Resolution>().is_err(), "{text}");
+        }
+    }
+}

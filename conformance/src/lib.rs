@@ -1,0 +1,34 @@
+//! The SaarCOR suite for a person: the command line `saarcor` and what it is made of.
+//!
+//! Only this crate reads files, prints and measures time.
+//!
+//! | module | subject |
+//! |---|---|
+//! | [`cli`] | the verbs, exit statuses, and how errors are shown |
+//! | [`args`] | what arguments mean: sizes, ranges of frames, configurations |
+//! | [`limits`] | how much memory a simulation may take |
+//! | [`standard`] | the standard configuration |
+//! | [`output`] | standard output and output files, whole or not at all |
+//! | [`progress`] | what is said on standard error |
+//! | [`world`] | a scene made ready for the chip |
+//! | [`render`] | pictures |
+//! | [`walk`] | step one of §4: the traffic of a walk through a scene |
+//! | [`metadata`] | the metadata law beside the paper's examples |
+//! | [`summary`] | what a scene needs, and the bytes of its image |
+//! | [`reproduce`] | the paper's figures, ours beside theirs |
+//! | [`table`] | tables as text and as HTML |
+
+pub mod args;
+pub mod cli;
+pub mod limits;
+pub mod metadata;
+pub mod output;
+pub mod progress;
+pub mod render;
+pub mod reproduce;
+pub mod standard;
+pub mod summary;
+pub mod table;
+mod verbs;
+pub mod walk;
+pub mod world;

@@ -1,0 +1,87 @@
+//! What is said on standard error: what is being done, and how far it is.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::fmt::Display;
+use std::io::{self, IsTerminal, Write};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+/// Work that ends sooner is not mentioned in a log.
+const WORTH_A_LINE: Duration = Duration::from_secs(2);
+/// Time between two lines about the same work in a log.
+const BETWEEN_LINES: Duration = Duration::from_secs(10);
+
+/// Steps of a progress bar.
+const BAR_STEPS: u64 = 1000;
+
+/// Says on standard error what is being done: with bars on a terminal, with lines in a log.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    form: Form,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Form {
+    Nothing,
+    Lines,
+    Bars,
+}
+
+impl Progress {
+    /// Says nothing if `quiet`.
+    #[must_use]
+    pub fn new(quiet: bool) -> Self {
+        let form = match (quiet, io::stderr().is_terminal()) {
+            (true, _) => Form::Nothing,
+            (false, true) => Form::Bars,
+            (false, false) => Form::Lines,
+        };
+        Self { form }
+    }
+
+    /// Says a line.
+    pub fn say(&self, line: impl Display) {
+        if self.form != Form::Nothing {
+            // Nobody is harmed where it cannot be said.
+            let _ = writeln!(io::stderr(), "{line}");
+        }
+    }
+
+    /// Does `work` and says meanwhile how far it is: `work` reports the part that is done, 0 to 1.
+    pub fn during<T>(&self, what: &str, work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
+        match self.form {
+            Form::Nothing => work(&|_| ()),
+            Form::Lines => self.during_lines(what, work),
+            Form::Bars => during_bar(what, work),
+        }
+    }
+
+    fn during_lines<T>(&self, what: &str, work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
+        let started = Instant::now();
+        let next_line = Mutex::new(started + WORTH_A_LINE);
+        let result = work(&|part| {
+            // A thread that finds another one here has nothing to add.
+            let Ok(mut next_line) = next_line.try_lock() else { return };
+            let now = Instant::now();
+            if now >= *next_line {
+                *next_line = now + BETWEEN_LINES;
+                self.say(format_args!("{what}: {:.0} %", 100.0 * part));
+            }
+        });
+        if started.elapsed() >= WORTH_A_LINE {
+            self.say(format_args!("{what}: {:.1} s", started.elapsed().as_secs_f64()));
+        }
+        result
+    }
+}
+
+fn during_bar<T>(what: &str, work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
+    let bar = ProgressBar::with_draw_target(Some(BAR_STEPS), ProgressDrawTarget::stderr());
+    let style = "{spinner} {msg} {bar:30} {percent:>3} %  {elapsed}, {eta} left";
+    bar.set_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.set_message(what.to_owned());
+    bar.enable_steady_tick(Duration::from_millis(200));
+    let result = work(&|part| bar.set_position((part * BAR_STEPS as f64) as u64));
+    bar.finish_and_clear();
+    result
+}

@@ -1,0 +1,46 @@
+//! The standard configuration: what holds where the user says nothing.
+
+use saarcor_model::rtp::Pipeline;
+use saarcor_model::units::Bytes;
+use saarcor_reference::paper;
+
+/// Size of a picture in pixels (Assumed: the paper names none).
+pub const RESOLUTION: (u32, u32) = (1024, 768);
+
+/// Reflections and refractions that may follow one another.
+pub const MAX_BOUNCES: u32 = Pipeline::<1>::STANDARD_BOUNCES;
+
+/// On-board memory of a scene that is none of the paper's: the least that Table 2 uses (Assumed).
+const MEMORY: Bytes = Bytes(8 << 20);
+
+/// On-board memory for a scene: for a built-in scene that of Table 2's caption.
+#[must_use]
+pub fn memory(scene: &str) -> Bytes {
+    let family = paper::family(scene);
+    let stated = &paper::stated().l2.memory_bytes;
+    stated.iter().find(|(name, _)| name.eq_ignore_ascii_case(family)).map_or(MEMORY, |(_, &n)| Bytes(n))
+}
+
+/// Size of a line (§3, Stated: found best).
+#[must_use]
+pub fn line() -> Bytes {
+    Bytes(paper::stated().l2.line_bytes)
+}
+
+/// Ways of a set (§3, Stated).
+#[must_use]
+pub fn ways() -> u32 {
+    paper::stated().l2.ways
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn built_in_scenes_have_the_memory_of_table_2() {
+        let mib = |scene| memory(scene).0 >> 20;
+        assert_eq!(["pquake3-nl", "sodahall", "conference-8l", "cruiser"].map(mib), [8, 8, 32, 64]);
+        assert_eq!(mib("folder/level.obj"), 8);
+    }
+}

@@ -1,0 +1,8 @@
+//! The verbs of the command line: arguments in, printed results out.
+
+pub mod metadata;
+pub mod render;
+pub mod reproduce;
+pub mod scenes;
+pub mod trace;
+pub mod walk;

@@ -1,0 +1,178 @@
+//! A scene made ready for the chip: loaded or generated, its kd-tree built, laid out in host
+//! memory.
+
+use crate::progress::Progress;
+use anyhow::{Context, Result, bail};
+use saarcor_model::image::HostImage;
+use saarcor_model::intersection::Kernel;
+use saarcor_model::kdtree::Node;
+use saarcor_model::scene::{Camera, Features, Scene};
+use saarcor_scenes::builtin;
+use saarcor_scenes::kdbuild::{self, BuildOptions};
+use std::ops::Range;
+use std::path::Path;
+use std::time::Instant;
+
+/// What to make ready, and how.
+#[derive(Clone, Debug)]
+pub struct WorldOptions {
+    /// A built-in name or the path of an OBJ file.
+    pub scene: String,
+    /// Take only this many of the scene's lights, the first ones.
+    pub lights: Option<usize>,
+    /// How the kd-tree is built.
+    pub tree: BuildOptions,
+    /// The triangle test that the image is laid out for.
+    pub kernel: Kernel,
+}
+
+impl WorldOptions {
+    /// The scene with all its lights, a tree by the surface area heuristic and the chip's usual
+    /// triangle test.
+    #[must_use]
+    pub fn new(scene: &str) -> Self {
+        Self {
+            scene: scene.to_owned(),
+            lights: None,
+            tree: BuildOptions::default(),
+            kernel: Kernel::default(),
+        }
+    }
+}
+
+/// A scene in host memory, and what was learned on the way there.
+#[derive(Clone, Debug)]
+pub struct World {
+    /// As the user named it.
+    pub name: String,
+    /// The camera path.
+    pub path: Vec<Camera>,
+    /// What the scene needs of the chip.
+    pub features: Features,
+    /// Triangles of the scene.
+    pub triangles: usize,
+    /// Of these, triangles without area, which no image holds.
+    pub degenerate: usize,
+    /// The bytes in host memory.
+    pub image: HostImage,
+    /// Facts about the kd-tree.
+    pub tree: TreeFacts,
+    /// Seconds that it took to load or generate the scene, to build its tree, to lay it out.
+    pub seconds: [f64; 3],
+}
+
+/// Facts about a kd-tree.
+#[derive(Clone, Copy, Debug)]
+pub struct TreeFacts {
+    /// All nodes.
+    pub nodes: usize,
+    /// Leaves among them.
+    pub leaves: usize,
+    /// Entries of all lists.
+    pub refs: usize,
+}
+
+impl World {
+    /// Makes a scene ready. Says on `progress` what it does.
+    ///
+    /// # Errors
+    /// If there is no such scene, it cannot be read, or it does not fit the chip.
+    pub fn open(options: &WorldOptions, progress: &Progress) -> Result<Self> {
+        let started = Instant::now();
+        let scene = progress.during(&format!("{}: scene", options.scene), |_| open_scene(options))?;
+        let loaded = started.elapsed().as_secs_f64();
+        Self::from_scene(options, scene, loaded, progress)
+    }
+
+    fn from_scene(options: &WorldOptions, scene: Scene, loaded: f64, progress: &Progress) -> Result<Self> {
+        let started = Instant::now();
+        let tree = progress.during(&format!("{}: kd-tree", options.scene), |report| {
+            kdbuild::build(&scene.triangles, &options.tree, report)
+        });
+        let built = started.elapsed().as_secs_f64();
+        let started = Instant::now();
+        let image = progress
+            .during(&format!("{}: host image", options.scene), |_| {
+                HostImage::build(&scene, &tree, options.kernel)
+            })
+            .with_context(|| format!("scene {}", options.scene))?;
+        let leaves = tree.nodes.iter().filter(|node| matches!(node, Node::Leaf { .. })).count();
+        Ok(Self {
+            name: options.scene.clone(),
+            features: image.registers.features,
+            triangles: scene.triangles.len(),
+            degenerate: scene.triangles.iter().filter(|triangle| triangle.is_degenerate()).count(),
+            tree: TreeFacts { nodes: tree.nodes.len(), leaves, refs: tree.refs.len() },
+            path: scene.path,
+            image,
+            seconds: [loaded, built, started.elapsed().as_secs_f64()],
+        })
+    }
+
+    /// The frames of `frames` that the path has; the whole path where none are named.
+    ///
+    /// # Errors
+    /// If a frame lies outside of the path.
+    pub fn frames(&self, frames: Option<Range<usize>>) -> Result<Range<usize>> {
+        let length = self.path.len();
+        let frames = frames.unwrap_or(0..length);
+        if frames.end > length {
+            let last = frames.end - 1;
+            bail!("frame {last}: the path of {} has the frames 0 to {}", self.name, length.saturating_sub(1));
+        }
+        Ok(frames)
+    }
+}
+
+/// Loads the OBJ file or generates the built-in scene that `options` names.
+///
+/// # Errors
+/// If there is no such scene or file, or it is no scene.
+pub fn open_scene(options: &WorldOptions) -> Result<Scene> {
+    let name = &options.scene;
+    let mut scene = match builtin::builtin(name) {
+        Some(scene) => scene,
+        None if looks_like_a_path(name) => saarcor_scenes::load_obj(Path::new(name))?,
+        None => bail!("unknown scene '{name}': {}", suggestion(name)),
+    };
+    if let Some(lights) = options.lights {
+        let found = scene.lights.len();
+        if lights > found {
+            bail!("--lights {lights}: {name} has {found} lights");
+        }
+        scene.lights.truncate(lights);
+    }
+    Ok(scene)
+}
+
+/// Whether a scene's name is meant as a file: it has a folder or an extension, or exists.
+fn looks_like_a_path(name: &str) -> bool {
+    let path = Path::new(name);
+    path.components().count() > 1 || path.extension().is_some() || path.exists()
+}
+
+/// Says what could have been meant by a name that is no scene's.
+fn suggestion(name: &str) -> String {
+    let nearest = builtin::TABLE_1.iter().min_by_key(|known| edit_distance(name, known));
+    let nearest = nearest.filter(|known| edit_distance(name, known) <= known.len() / 2);
+    match nearest {
+        Some(known) => {
+            format!("did you mean '{known}'? ('saarcor scenes' lists all; a file is named with its .obj)")
+        }
+        None => "'saarcor scenes' lists the built-in ones; a file is named with its .obj".to_owned(),
+    }
+}
+
+/// Insertions, deletions and replacements of a letter that turn `a` into `b` (Levenshtein 1966).
+fn edit_distance(a: &str, b: &str) -> usize {
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.bytes().enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
+        for (j, y) in b.bytes().enumerate() {
+            let replaced = diagonal + usize::from(x != y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}

@@ -1,0 +1,177 @@
+//! KD-4: traversal finds the closest triangle, as the search over all triangles does with the
+//! same triangle test. 10 000 camera rays and 10 000 random rays a scene, in packets and alone.
+
+use glam::Vec3;
+use rayon::prelude::*;
+use saarcor_model::image::HostImage;
+use saarcor_model::intersection::{Candidate, EdgeTriangle, Kernel, ProjectedTriangle};
+use saarcor_model::kdtree::Aabb;
+use saarcor_model::ray::{Hits, Packet, Query, Ray};
+use saarcor_model::raygen::Frame;
+use saarcor_model::scene::Scene;
+use saarcor_model::traversal::Traversal;
+use saarcor_model::units::HostAddr;
+use saarcor_reference::flat::FlatMemory;
+use saarcor_reference::search::{ClosestHit, closest_hit};
+use saarcor_scenes::builtin::builtin;
+use saarcor_scenes::kdbuild::{BuildOptions, SplitRule, build};
+use std::path::PathBuf;
+
+const RAYS_A_KIND: usize = 10_000;
+
+/// Numbers in [0, 1), the same on every run (splitmix64).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 40) as f32 / (1 << 24) as f32
+    }
+
+    fn direction(&mut self) -> Vec3 {
+        let z = 2.0 * self.next() - 1.0;
+        let (sin, cos) = (self.next() * std::f32::consts::TAU).sin_cos();
+        Vec3::new(cos, sin, 0.0) * (1.0 - z * z).sqrt() + Vec3::Z * z
+    }
+}
+
+/// Rays from the cameras of the whole path through random pixels.
+fn camera_rays(scene: &Scene) -> Vec<Ray> {
+    let mut random = Random(1);
+    let (width, height) = (1024, 768);
+    (0..RAYS_A_KIND)
+        .map(|i| {
+            let camera = &scene.path[i * scene.path.len() / RAYS_A_KIND];
+            let (x, y) = (random.next() * width as f32, random.next() * height as f32);
+            Frame::new(camera, width, height).primary_ray(x as u32, y as u32)
+        })
+        .collect()
+}
+
+/// Rays in all directions from points in the box around the scene.
+fn random_rays(bounds: Aabb) -> Vec<Ray> {
+    let mut random = Random(2);
+    (0..RAYS_A_KIND)
+        .map(|_| {
+            let place = Vec3::new(random.next(), random.next(), random.next());
+            let origin = bounds.min + (bounds.max - bounds.min) * place;
+            Ray { origin, direction: random.direction(), t_min: 0.0, t_max: f32::INFINITY }
+        })
+        .collect()
+}
+
+/// Distance and triangle, by the scene's index, of each ray's closest hit, from packets of `N`.
+fn traverse<const N: usize>(image: &HostImage, rays: &[Ray]) -> Vec<Option<(f32, u32)>> {
+    let mut traversal = Traversal::<N>::default();
+    let mut memory = FlatMemory::new(&image.bytes);
+    let mut found = Vec::new();
+    for rays in rays.chunks(N) {
+        let packet = Packet::new(std::array::from_fn(|lane| rays.get(lane).copied()));
+        let hits: Hits<N> = traversal.run(&mut memory, &image.registers, &packet, Query::Closest);
+        found.extend((0..rays.len()).map(|lane| {
+            let addr = HostAddr(hits.triangle[lane]);
+            hits.is_hit(lane).then(|| (hits.t[lane], image.triangle_id(addr)))
+        }));
+    }
+    found
+}
+
+/// What is hit where, by trying every one of `triangles`, each `prepare`d for the triangle `test`.
+fn search<T: Sync>(
+    triangles: &[[Vec3; 3]],
+    rays: &[Ray],
+    prepare: fn(&[Vec3; 3]) -> T,
+    test: impl Fn(&T, [f32; 3], [f32; 3]) -> Candidate + Sync,
+) -> Vec<Option<ClosestHit<f32>>> {
+    let prepared: Vec<T> = triangles.iter().map(prepare).collect();
+    let closest = |ray: &Ray| {
+        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
+        closest_hit(&prepared, |triangle| {
+            let hit = test(triangle, origin, direction);
+            (hit.is_inside() & (hit.t >= ray.t_min) & (hit.t < ray.t_max)).then_some(hit.t)
+        })
+    };
+    rays.par_iter().map(closest).collect()
+}
+
+/// Compares traversal and search on `scene`, and says how many hits were ties.
+fn agrees(name: &str, scene: &Scene, kernel: Kernel, rule: SplitRule) {
+    let tree = build(&scene.triangles, &BuildOptions { rule, ..BuildOptions::default() }, &|_| {});
+    let image = HostImage::build(scene, &tree, kernel).expect("valid scene");
+    // A triangle without area has no hits by definition (HI-4).
+    let with_area = |&id: &u32| !scene.triangles[id as usize].is_degenerate();
+    let ids: Vec<u32> = (0..scene.triangles.len() as u32).filter(with_area).collect();
+    let triangles: Vec<_> = ids.iter().map(|&id| scene.triangles[id as usize].corners).collect();
+
+    for (kind, rays) in [("camera", camera_rays(scene)), ("random", random_rays(tree.bounds))] {
+        let alone = traverse::<1>(&image, &rays);
+        let in_packets = traverse::<64>(&image, &rays);
+        assert_eq!(alone, in_packets, "{name}: {kind} rays alone and in packets");
+        let searched = match kernel {
+            Kernel::MollerTrumbore => search(&triangles, &rays, EdgeTriangle::new, EdgeTriangle::intersect),
+            Kernel::Wald => search(&triangles, &rays, ProjectedTriangle::new, ProjectedTriangle::intersect),
+        };
+        let (mut hits, mut ties, mut faults) = (0, 0, Vec::new());
+        for ((ray, traversed), searched) in rays.iter().zip(&alone).zip(&searched) {
+            let same = match (traversed, searched) {
+                (None, None) => true,
+                (Some((t, triangle)), Some(closest)) => {
+                    hits += 1;
+                    ties += usize::from(closest.triangles.len() > 1);
+                    *t == closest.t && closest.triangles.iter().any(|&i| ids[i as usize] == *triangle)
+                }
+                _ => false,
+            };
+            if !same {
+                faults.push(format!("{ray:?}: traversal {traversed:?}, search {searched:?}"));
+            }
+        }
+        println!("{name}, {kernel:?}, {rule:?}: {} {kind} rays, {hits} hits, {ties} ties", rays.len());
+        assert!(faults.is_empty(), "{name}: {} of the {kind} rays: {faults:#?}", faults.len());
+        assert!(hits * 10 > rays.len(), "{name}: nearly all of the {kind} rays miss the scene");
+    }
+}
+
+fn builtin_agrees(name: &str) {
+    let scene = builtin(name).expect("built-in");
+    agrees(name, &scene, Kernel::MollerTrumbore, SplitRule::SurfaceArea);
+}
+
+#[test]
+fn pquake3() {
+    let scene = builtin("pquake3-nt").expect("built-in");
+    agrees("pquake3-nt", &scene, Kernel::MollerTrumbore, SplitRule::SurfaceArea);
+    agrees("pquake3-nt", &scene, Kernel::Wald, SplitRule::SpatialMedian);
+}
+
+#[test]
+#[ignore = "long: 6·10⁹ triangle tests, half a minute"]
+fn conference() {
+    builtin_agrees("conference");
+}
+
+#[test]
+#[ignore = "long: 3·10¹⁰ triangle tests, minutes"]
+fn sodahall() {
+    builtin_agrees("sodahall");
+}
+
+#[test]
+#[ignore = "long: 7·10¹⁰ triangle tests, minutes"]
+fn cruiser() {
+    builtin_agrees("cruiser-nt");
+}
+
+#[test]
+#[ignore = "needs the real scenes: SAARCOR_SCENES names their folder"]
+fn real_scenes() {
+    let folder = PathBuf::from(std::env::var_os("SAARCOR_SCENES").expect("SAARCOR_SCENES names a folder"));
+    for name in ["oa_dm3", "conference", "conference_raw", "office", "sponza"] {
+        let path = folder.join(name).join(name).with_extension("obj");
+        let scene = saarcor_scenes::load_obj(&path).expect("scene");
+        agrees(name, &scene, Kernel::MollerTrumbore, SplitRule::SurfaceArea);
+    }
+}
