@@ -4,7 +4,7 @@ use crate::limits::check_state;
 use crate::standard;
 use crate::walk::{PacketSize, TraceOptions};
 use crate::world::{World, WorldOptions};
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use saarcor_model::geometry::Geometry;
 use saarcor_model::hash::Hash;
@@ -108,15 +108,16 @@ impl FromStr for FrameRange {
 }
 
 impl FrameRange {
-    /// These frames of the world's path.
-    ///
-    /// # Errors
-    /// If the path does not have them.
-    pub fn of(self, world: &World) -> Result<Range<usize>> {
-        let begin = self.begin.unwrap_or(0);
-        // An open range names its first frame, whether the path has it or not.
-        let end = self.end.unwrap_or_else(|| world.path.len().max(begin.saturating_add(1)));
-        world.frames(Some(begin..end))
+    /// The last frame that a path must have for this range.
+    #[must_use]
+    pub fn last(self) -> Option<usize> {
+        self.end.map(|end| end - 1).or(self.begin)
+    }
+
+    /// These frames of the world's path, which has the last of them.
+    #[must_use]
+    pub fn of(self, world: &World) -> Range<usize> {
+        self.begin.unwrap_or(0)..self.end.unwrap_or(world.path.len())
     }
 }
 
@@ -166,14 +167,15 @@ pub struct SceneArgs {
 }
 
 impl SceneArgs {
-    /// What to make ready.
+    /// What to make ready, with a path that has `last_frame`.
     #[must_use]
-    pub fn options(&self) -> WorldOptions {
+    pub fn options(&self, last_frame: Option<usize>) -> WorldOptions {
         WorldOptions {
             scene: self.scene.clone(),
             lights: self.lights,
             tree: BuildOptions { rule: self.tree, ..BuildOptions::default() },
             kernel: self.kernel,
+            last_frame,
         }
     }
 }
@@ -267,15 +269,6 @@ impl TraceArgs {
         let Resolution { width, height } = self.resolution;
         TraceOptions { resolution: (width, height), packet: self.packet, max_bounces: self.bounces }
     }
-}
-
-/// Checks that the path of `world` has `frame`.
-///
-/// # Errors
-/// If it has not.
-pub fn check_frame(world: &World, frame: usize) -> Result<()> {
-    let Some(end) = frame.checked_add(1) else { bail!("frame {frame}: too large") };
-    world.frames(Some(frame..end)).map(drop)
 }
 
 #[cfg(test)]

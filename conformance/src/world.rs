@@ -9,7 +9,6 @@ use saarcor_model::kdtree::Node;
 use saarcor_model::scene::{Camera, Features, Scene};
 use saarcor_scenes::builtin;
 use saarcor_scenes::kdbuild::{self, BuildOptions};
-use std::ops::Range;
 use std::path::Path;
 use std::time::Instant;
 
@@ -24,6 +23,9 @@ pub struct WorldOptions {
     pub tree: BuildOptions,
     /// The triangle test that the image is laid out for.
     pub kernel: Kernel,
+    /// The last frame that will be asked for: a path without it is refused before the kd-tree is
+    /// built.
+    pub last_frame: Option<usize>,
 }
 
 impl WorldOptions {
@@ -36,6 +38,7 @@ impl WorldOptions {
             lights: None,
             tree: BuildOptions::default(),
             kernel: Kernel::default(),
+            last_frame: None,
         }
     }
 }
@@ -81,10 +84,14 @@ impl World {
         let started = Instant::now();
         let scene = progress.during(&format!("{}: scene", options.scene), |_| open_scene(options))?;
         let loaded = started.elapsed().as_secs_f64();
-        Self::from_scene(options, scene, loaded, progress)
-    }
-
-    fn from_scene(options: &WorldOptions, scene: Scene, loaded: f64, progress: &Progress) -> Result<Self> {
+        let frames = scene.path.len();
+        if let Some(frame) = options.last_frame.filter(|&frame| frame >= frames) {
+            bail!(
+                "frame {frame}: the path of {} has the frames 0 to {}",
+                options.scene,
+                frames.saturating_sub(1)
+            );
+        }
         let started = Instant::now();
         let tree = progress.during(&format!("{}: kd-tree", options.scene), |report| {
             kdbuild::build(&scene.triangles, &options.tree, report)
@@ -107,20 +114,6 @@ impl World {
             image,
             seconds: [loaded, built, started.elapsed().as_secs_f64()],
         })
-    }
-
-    /// The frames of `frames` that the path has; the whole path where none are named.
-    ///
-    /// # Errors
-    /// If a frame lies outside of the path.
-    pub fn frames(&self, frames: Option<Range<usize>>) -> Result<Range<usize>> {
-        let length = self.path.len();
-        let frames = frames.unwrap_or(0..length);
-        if frames.end > length {
-            let last = frames.end - 1;
-            bail!("frame {last}: the path of {} has the frames 0 to {}", self.name, length.saturating_sub(1));
-        }
-        Ok(frames)
     }
 }
 

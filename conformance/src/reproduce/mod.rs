@@ -104,7 +104,7 @@ impl Report {
         Ok(Self { quick: options.quick, resolution, metadata: metadata::examples(), table1, figure3 })
     }
 
-    /// Prints the figures as tables.
+    /// Prints the figures as tables, and why they differ.
     ///
     /// # Errors
     /// If they cannot be written.
@@ -114,6 +114,11 @@ impl Report {
             out.line("")?;
             out.line(table)?;
             out.line("")?;
+        }
+        out.line("What differs, and why")?;
+        out.line("")?;
+        for (what, why) in page::DIFFERENCES {
+            out.line(format_args!("{what} {why}"))?;
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! `saarcor render`.
 
-use crate::args::{CacheArgs, SceneArgs, TraceArgs, check_frame, describe};
+use crate::args::{CacheArgs, SceneArgs, TraceArgs, describe};
 use crate::limits::check_state;
 use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
@@ -68,8 +68,7 @@ impl Args {
     pub fn run(self, progress: &Progress) -> Result<()> {
         let cache = self.cache.config(&self.scene.scene)?;
         let file = OutFile::check(&self.out)?;
-        let world = World::open(&self.scene.options(), progress)?;
-        check_frame(&world, self.frame)?;
+        let world = World::open(&self.scene.options(Some(self.frame)), progress)?;
         check_state(cache, Bytes(world.image.bytes.len() as u64))?;
         let summary = Summary::of(&world);
         summary.lines().iter().chain([&summary.image_line()]).for_each(|line| progress.say(line));

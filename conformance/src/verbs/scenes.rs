@@ -137,7 +137,7 @@ impl ListArgs {
 
 impl ShowArgs {
     fn run(self, progress: &Progress) -> Result<()> {
-        let world = World::open(&self.scene.options(), progress)?;
+        let world = World::open(&self.scene.options(None), progress)?;
         let summary = Summary::of(&world);
         let mut out = Stdout::new();
         if self.json {

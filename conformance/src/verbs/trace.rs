@@ -1,6 +1,6 @@
 //! `saarcor trace`.
 
-use crate::args::{CacheArgs, SceneArgs, TraceArgs, check_frame};
+use crate::args::{CacheArgs, SceneArgs, TraceArgs};
 use crate::output::{OutFile, Stdout};
 use crate::progress::Progress;
 use crate::walk::{WalkOptions, record_frame};
@@ -80,8 +80,7 @@ impl RecordArgs {
     fn run(self, progress: &Progress) -> Result<()> {
         let cache = self.cache.config(&self.scene.scene)?;
         let file = self.out.as_deref().map(OutFile::check).transpose()?;
-        let world = World::open(&self.scene.options(), progress)?;
-        check_frame(&world, self.frame)?;
+        let world = World::open(&self.scene.options(Some(self.frame)), progress)?;
         let options = WalkOptions { cache, cold: true, trace: self.trace.options() };
         match file {
             Some(file) => {

@@ -37,8 +37,8 @@ impl Args {
     /// Walks, and prints a row a frame.
     pub fn run(self, progress: &Progress) -> Result<()> {
         let cache = self.cache.config(&self.scene.scene)?;
-        let world = World::open(&self.scene.options(), progress)?;
-        let frames = self.frames.of(&world)?;
+        let world = World::open(&self.scene.options(self.frames.last()), progress)?;
+        let frames = self.frames.of(&world);
         check_state(cache, Bytes(world.image.bytes.len() as u64))?;
         let summary = Summary::of(&world);
         let lines = summary.lines().into_iter().chain([summary.image_line(), describe(&cache)]);
