@@ -3,7 +3,7 @@
 
 use std::f32::consts::TAU;
 
-use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
+use glam::{Affine3A, Quat, Vec2, Vec3, vec2, vec3};
 use saarcor_model::scene::Triangle;
 
 /// What a piece of mesh is made of.
@@ -299,6 +299,24 @@ impl Mesh {
                 position: centre + right * turn.x + front * turn.y,
                 along: vec2(u * TAU * radius, length),
             }
+        });
+    }
+
+    /// Adds a torus about the z axis of `turn`: radii and numbers of cells around the ring and the
+    /// tube.
+    pub fn torus(
+        &mut self,
+        surface: Surface,
+        centre: Vec3,
+        turn: Quat,
+        [radius, thickness]: [f32; 2],
+        cells: [u32; 2],
+    ) {
+        self.patch(surface, cells, |u, v| {
+            let (around, tube) = (circle(u), circle(v));
+            let reach = radius + thickness * tube.x;
+            let position = vec3(around.x * reach, around.y * reach, thickness * tube.y);
+            Vertex { position: centre + turn * position, along: vec2(u * radius, v * thickness) * TAU }
         });
     }
 

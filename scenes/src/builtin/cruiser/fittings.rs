@@ -4,7 +4,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 use glam::{Affine3A, Quat, Vec3, vec2, vec3};
 
-use super::parts::{bolt, hand_wheel, house, ring, rivet_row, turned};
+use super::parts::{bolt, hand_wheel, house, rivet_row, turned};
 use super::ship::{HALF_LENGTH, deck_point, hull_point};
 use super::surfaces::Surfaces;
 use crate::builtin::mesh::{Mesh, Vertex, circle};
@@ -59,7 +59,7 @@ fn turret(mesh: &mut Mesh, s: &Surfaces, foot: Vec3, angle: f32) {
         let trunnion = vec3(2.2, 1.9, side * 0.8);
         gun.append(&barrel, Affine3A::from_rotation_translation(elevated, trunnion));
     }
-    ring(&mut gun, s.dark, vec3(-0.5, 3.25, 1.0), Quat::from_rotation_x(FRAC_PI_2), [0.45, 0.08], [48, 12]);
+    gun.torus(s.dark, vec3(-0.5, 3.25, 1.0), Quat::from_rotation_x(FRAC_PI_2), [0.45, 0.08], [48, 12]);
     hand_wheel(&mut gun, s.red, vec3(-0.5, 3.35, 1.0), Quat::from_rotation_x(FRAC_PI_2), 0.3);
     mesh.append(&gun, turned(foot, angle));
 }
@@ -131,7 +131,7 @@ fn mast(mesh: &mut Mesh, s: &Surfaces) {
         }
         let flat = Quat::from_rotation_x(FRAC_PI_2);
         for rail in [0.55, 1.0] {
-            ring(mesh, s.white, centre + Vec3::Y * rail, flat, [radius * 0.97, 0.025], [64, 8]);
+            mesh.torus(s.white, centre + Vec3::Y * rail, flat, [radius * 0.97, 0.025], [64, 8]);
         }
     }
     for (level, side) in [(9.5, 1.0), (17.5, -1.0)] {
@@ -242,7 +242,7 @@ fn helicopter(mesh: &mut Mesh, s: &Surfaces, foot: Vec3) {
     }
     for z in [-0.9, 0.9] {
         craft.tube(s.steel, &[vec3(1.0, 1.3, z * 0.8), vec3(1.0, 0.4, z)], 0.06, 12);
-        ring(&mut craft, s.dark, vec3(1.0, 0.3, z), Quat::IDENTITY, [0.2, 0.1], [36, 16]);
+        craft.torus(s.dark, vec3(1.0, 0.3, z), Quat::IDENTITY, [0.2, 0.1], [36, 16]);
     }
     mesh.append(&craft, Affine3A::from_translation(foot));
 }
@@ -317,7 +317,7 @@ fn boats(mesh: &mut Mesh, s: &Surfaces, side: f32) {
             mesh.sphere(s.white, at + half * end, 0.4, 32, 20);
             let cradle = at + half * 0.6 * end;
             let turn = Quat::from_rotation_y(FRAC_PI_2);
-            ring(mesh, s.dark, cradle, turn, [0.41, 0.03], [32, 8]);
+            mesh.torus(s.dark, cradle, turn, [0.41, 0.03], [32, 8]);
             let foot = cradle - vec3(0.05, 0.85, 0.3);
             mesh.cuboid(s.dark, foot, foot + vec3(0.1, 0.5, 0.6), 1.0);
         }

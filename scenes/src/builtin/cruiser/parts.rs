@@ -1,7 +1,5 @@
 //! Parts that recur all over the ship.
 
-use std::f32::consts::TAU;
-
 use glam::{Affine3A, Quat, Vec3, vec2, vec3};
 
 use crate::builtin::mesh::{Mesh, Surface, Vertex, circle};
@@ -53,27 +51,10 @@ pub fn flange(mesh: &mut Mesh, [disc, bolts]: [Surface; 2], at: Vec3, dir: Vec3,
     }
 }
 
-/// A torus about the z axis of `turn`: radii and numbers of cells around the ring and the tube.
-pub fn ring(
-    mesh: &mut Mesh,
-    surface: Surface,
-    centre: Vec3,
-    turn: Quat,
-    [radius, thickness]: [f32; 2],
-    cells: [u32; 2],
-) {
-    mesh.patch(surface, cells, |u, v| {
-        let (around, tube) = (circle(u), circle(v));
-        let reach = radius + thickness * tube.x;
-        let position = vec3(around.x * reach, around.y * reach, thickness * tube.y);
-        Vertex { position: centre + turn * position, along: vec2(u * radius, v * thickness) * TAU }
-    });
-}
-
 /// A hand wheel with five spokes and a spindle, about the z axis of `turn`.
 pub fn hand_wheel(mesh: &mut Mesh, surface: Surface, centre: Vec3, turn: Quat, radius: f32) {
     const SPOKES: u32 = 5;
-    ring(mesh, surface, centre, turn, [radius, 0.1 * radius], [40, 10]);
+    mesh.torus(surface, centre, turn, [radius, 0.1 * radius], [40, 10]);
     for i in 0..SPOKES {
         let end = circle(i as f32 / SPOKES as f32).extend(0.0) * radius;
         let ends = [(centre, 0.08 * radius), (centre + turn * end, 0.06 * radius)];

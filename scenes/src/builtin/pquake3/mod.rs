@@ -392,7 +392,7 @@ fn chapel(mesh: &mut Mesh, s: &Surfaces) {
         mesh.cuboid(s.tread, foot - half, foot + half + Vec3::Y * 0.25, CELL);
     }
     let upright = Quat::from_rotation_y(FRAC_PI_2);
-    props::ring(mesh, s.gold, vec3(36.8, 6.6, 27.0), upright, [1.1, 0.16], [36, 10]);
+    mesh.torus(s.gold, vec3(36.8, 6.6, 27.0), upright, [1.1, 0.16], [36, 10]);
     mesh.sphere(s.looking_glass, vec3(36.8, 6.6, 27.0), 0.6, 24, 14);
     for z in [23.0, 31.0] {
         props::banner(mesh, s, vec3(39.95, 9.0, z - 0.9), Vec3::Z * 1.8, 4.0);
@@ -433,7 +433,7 @@ fn laboratory(mesh: &mut Mesh, s: &Surfaces) {
     // The gate.
     let gate = vec3(-12.0, 2.0, 21.0);
     let turn = Quat::from_rotation_y(-0.6);
-    props::ring(mesh, s.steel, gate, turn, [1.6, 0.25], [40, 12]);
+    mesh.torus(s.steel, gate, turn, [1.6, 0.25], [40, 12]);
     for i in 0..12 {
         let p = circle(i as f32 / 12.0) * 1.6;
         mesh.sphere(s.yellow_item, gate + turn * p.extend(0.25), 0.12, 10, 6);

@@ -160,23 +160,6 @@ pub fn lamp(mesh: &mut Mesh, s: &Surfaces, hook: Vec3, drop: f32) {
     mesh.append(&shade, Affine3A::from_translation(hook - Vec3::Y * drop));
 }
 
-/// A torus about the z axis turned by `turn`: `[ring, tube]` radii and numbers of cells.
-pub fn ring(
-    mesh: &mut Mesh,
-    surface: Surface,
-    centre: Vec3,
-    turn: Quat,
-    [radius, thickness]: [f32; 2],
-    cells: [u32; 2],
-) {
-    mesh.patch(surface, cells, |u, v| {
-        let (around, tube) = (circle(u), circle(v));
-        let reach = radius + thickness * tube.x;
-        let position = vec3(around.x * reach, around.y * reach, thickness * tube.y);
-        Vertex { position: centre + turn * position, along: vec2(u * radius, v * thickness) * TAU }
-    });
-}
-
 /// A player of 1.8 m in armour with a weapon, standing at `foot` and looking to `angle`.
 pub fn player(mesh: &mut Mesh, s: &Surfaces, armour: Surface, foot: Vec3, angle: f32) {
     let mut body = Mesh::new(mesh.is_textured());
@@ -193,7 +176,7 @@ pub fn player(mesh: &mut Mesh, s: &Surfaces, armour: Surface, foot: Vec3, angle:
     ];
     body.lathe(armour, &torso.map(|(r, y)| vec2(r, y)), 16);
     body.sphere(s.skin, vec3(0.0, 1.68, 0.0), 0.12, 16, 10);
-    ring(&mut body, s.steel, vec3(0.0, 1.7, 0.0), Quat::from_rotation_x(PI / 2.0), [0.12, 0.025], [16, 6]);
+    body.torus(s.steel, vec3(0.0, 1.7, 0.0), Quat::from_rotation_x(PI / 2.0), [0.12, 0.025], [16, 6]);
     for side in [-1.0, 1.0] {
         let at = |x: f32, y: f32, z: f32| vec3(side * x, y, z);
         body.sphere(armour, at(0.27, 1.42, 0.0), 0.12, 12, 7);
@@ -227,7 +210,7 @@ pub fn weapon(mesh: &mut Mesh, s: &Surfaces, transform: Affine3A) {
         let barrel = |z: f32| (vec3(turn.x, turn.y, z), 0.013);
         gun.closed_cylinder(s.steel, [barrel(0.1), barrel(0.45)], 6, 1);
     }
-    ring(&mut gun, s.gold, vec3(0.0, 0.0, 0.3), Quat::IDENTITY, [0.045, 0.012], [12, 5]);
+    gun.torus(s.gold, vec3(0.0, 0.0, 0.3), Quat::IDENTITY, [0.045, 0.012], [12, 5]);
     mesh.append(&gun, transform);
 }
 
@@ -254,7 +237,7 @@ pub fn item(mesh: &mut Mesh, s: &Surfaces, kind: Item, foot: Vec3, angle: f32) {
             mesh.sphere(s.green_item, at, 0.18, 16, 9);
             for tilt in [-0.5, 0.5] {
                 let turn = Quat::from_rotation_y(angle) * Quat::from_rotation_x(PI / 2.0 + tilt);
-                ring(mesh, s.gold, at, turn, [0.26, 0.025], [18, 5]);
+                mesh.torus(s.gold, at, turn, [0.26, 0.025], [18, 5]);
             }
         }
         Item::Armour => {
@@ -289,7 +272,7 @@ pub fn tank(mesh: &mut Mesh, s: &Surfaces, foot: Vec3, radius: f32, height: f32)
     mesh.append(&body, Affine3A::from_translation(foot));
     for part in [0.35, 0.65] {
         let turn = Quat::from_rotation_x(PI / 2.0);
-        ring(mesh, s.grate, foot + Vec3::Y * height * part, turn, [radius, 0.06], [18, 4]);
+        mesh.torus(s.grate, foot + Vec3::Y * height * part, turn, [radius, 0.06], [18, 4]);
     }
 }
 
