@@ -58,7 +58,7 @@ fn sodahall_is_the_same_through_any_memory() {
 }
 
 #[test]
-#[ignore = "the Cruiser's kd-tree takes more than a minute"]
+#[ignore = "long: the Cruiser takes half a minute and 2 GB to make ready"]
 fn cruiser_is_the_same_through_any_memory() {
     assert_transparent("cruiser");
 }
