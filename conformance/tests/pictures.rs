@@ -38,7 +38,7 @@ fn assert_transparent(scene: &str) {
     caches().into_par_iter().for_each(|cache| {
         let (picture, counters) = through_virtual_memory(&world, frame, &trace, cache);
         assert!(picture == flat, "{scene} through {cache:?}");
-        assert!(counters.misses > 0 && counters.hits + counters.misses == counters.accesses);
+        assert!(counters.misses > 0 && counters.hits() > 0);
     });
 }
 

@@ -153,7 +153,7 @@ fn traces_hold_all_accesses_in_order() {
     let row = &walk(&[&TIGHT[..], &["--cold", "--frames", "1..2"]].concat())[0];
     let counters = cache.counters();
     assert_eq!(counters.accesses, number(row, "accesses"));
-    assert_eq!((counters.hits, counters.misses), (number(row, "hits"), number(row, "misses")));
+    assert_eq!((counters.hits(), counters.misses), (number(row, "hits"), number(row, "misses")));
 }
 
 /// The committed trace is that of a frame, and a walk counts what pycachesim made of it.

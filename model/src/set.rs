@@ -52,9 +52,10 @@ pub struct Set<const WAYS: usize> {
     pub lines: [LineAddr; WAYS],
     /// Whether the way holds a line.
     pub resident: [bool; WAYS],
-    /// Management bits of each way.
+    /// Management bits, as many entries as there are ways.
     ///
-    /// LRU and FIFO: the way's age, 0 for the youngest; a permutation of `0 .. WAYS`.
+    /// LRU and FIFO: the ways from the one used (loaded) last to the one used (loaded) first; a
+    /// permutation of `0 .. WAYS`.
     /// PLRU: entry `i` is the bit of node `i` of a tree whose root is 1 and whose node `i` has
     /// the children `2 i` and `2 i + 1`; 1 points to the upper half. Entry 0 is not used: 0.
     pub order: [u8; WAYS],
@@ -101,10 +102,25 @@ impl<const WAYS: usize> Set<WAYS> {
         // Without branches: which way hits cannot be predicted, and at most one does.
         let mut found = WAYS;
         for way in 0..WAYS {
-            let hit = self.resident[way] & (self.lines[way] == line);
-            found = if hit { way } else { found };
+            found = if self.holds(way as u8, line) { way } else { found };
         }
         (found < WAYS).then_some(Way(found as u8))
+    }
+
+    #[inline]
+    fn holds(&self, way: u8, line: LineAddr) -> bool {
+        self.resident[usize::from(way)] & (self.lines[usize::from(way)] == line)
+    }
+
+    /// The way of `line` where it was used (FIFO: loaded) last: then an access to it changes nothing.
+    ///
+    /// Nearly every access of a picture is one of these, and they need no step. With PLRU, whose
+    /// bits do not tell which way was used last: none.
+    #[inline]
+    #[must_use]
+    pub fn way_if_youngest(&self, line: LineAddr, policy: Policy) -> Option<Way> {
+        let youngest = self.order[0];
+        (policy != Policy::Plru && self.holds(youngest, line)).then_some(Way(youngest))
     }
 
     /// The step: uses `line`, which is loaded where it is not resident (VM-6).
@@ -112,20 +128,21 @@ impl<const WAYS: usize> Set<WAYS> {
     /// A free way is taken before a line is pushed out, the lowest number first (VM-7, Assumed).
     #[inline]
     #[must_use]
-    pub fn access(mut self, line: LineAddr, policy: Policy) -> (Self, Outcome) {
+    pub fn access(&self, line: LineAddr, policy: Policy) -> (Self, Outcome) {
+        let mut next = *self;
         if let Some(way) = self.way_of(line) {
             if policy != Policy::Fifo {
-                self.touch(way, policy);
+                next.touch(way, policy);
             }
-            return (self, Outcome::Hit { way });
+            return (next, Outcome::Hit { way });
         }
         let way = self.free_way().unwrap_or_else(|| self.victim(policy));
         let slot = usize::from(way.0);
         let evicted = self.resident[slot].then_some(self.lines[slot]);
-        self.lines[slot] = line;
-        self.resident[slot] = true;
-        self.touch(way, policy);
-        (self, Outcome::Miss { way, evicted })
+        next.lines[slot] = line;
+        next.resident[slot] = true;
+        next.touch(way, policy);
+        (next, Outcome::Miss { way, evicted })
     }
 
     /// Forgets `line` (VM-8). The order of the other lines stays.
@@ -151,43 +168,35 @@ impl<const WAYS: usize> Set<WAYS> {
     /// The way whose line a full set gives up.
     #[inline]
     fn victim(&self, policy: Policy) -> Way {
-        let mut victim = 0;
         match policy {
-            Policy::Lru | Policy::Fifo => {
-                for way in 0..WAYS {
-                    victim = if usize::from(self.order[way]) == WAYS - 1 { way } else { victim };
-                }
-            }
+            Policy::Lru | Policy::Fifo => Way(self.order[WAYS - 1]),
             Policy::Plru => {
                 let mut node = 1;
                 while node < WAYS {
                     node = 2 * node + usize::from(self.order[node]);
                 }
-                victim = node - WAYS;
+                Way((node - WAYS) as u8)
             }
         }
-        Way(victim as u8)
     }
 
     /// Makes `way` the youngest; with PLRU, turns the tree away from it.
     #[inline]
     fn touch(&mut self, way: Way, policy: Policy) {
-        let slot = usize::from(way.0);
         match policy {
             Policy::Lru | Policy::Fifo => {
-                let age = self.order[slot];
-                // Most accesses are to the youngest line: leaving early spares them a store that
-                // the next access would have to wait for.
-                if age == 0 {
-                    return;
+                // All that were younger than `way` move one place back, to where it was.
+                let mut moved = way.0;
+                let mut closed = false;
+                for place in &mut self.order {
+                    let here = *place;
+                    *place = if closed { here } else { moved };
+                    closed |= here == way.0;
+                    moved = here;
                 }
-                for other in &mut self.order {
-                    *other += u8::from(*other < age);
-                }
-                self.order[slot] = 0;
             }
             Policy::Plru => {
-                let mut node = WAYS + slot;
+                let mut node = WAYS + usize::from(way.0);
                 while node > 1 {
                     self.order[node / 2] = u8::from(node & 1 == 0);
                     node /= 2;

@@ -270,8 +270,8 @@ fn invariant_rejects_illegal_states<const WAYS: usize>(
         prop_assert!(broken(&|set| set.order[0] = 1), "a node above the root");
         prop_assert!(broken(&|set| set.order[way] = 2), "a bit of 2");
     } else {
-        prop_assert!(WAYS == 1 || broken(&|set| set.order[other] = set.order[way]), "two of one age");
-        prop_assert!(broken(&|set| set.order[way] = WAYS as u8), "an age beyond the oldest");
+        prop_assert!(WAYS == 1 || broken(&|set| set.order[other] = set.order[way]), "a way twice");
+        prop_assert!(broken(&|set| set.order[way] = WAYS as u8), "a way that is none");
     }
     Ok(())
 }
@@ -333,7 +333,7 @@ fn ages_are_those_of_the_policy<const WAYS: usize>(
 ) -> Result<(), TestCaseError> {
     let before = state.set::<WAYS>();
     let (after, outcome) = before.access(line, state.policy);
-    let age = |set: &Set<WAYS>| usize::from(set.order[usize::from(outcome.way().0)]);
+    let age = |set: &Set<WAYS>| set.order.iter().position(|&way| way == outcome.way().0).expect("legal");
     match (state.policy, outcome) {
         (Policy::Plru, _) => {}
         (Policy::Fifo, Outcome::Hit { .. }) => prop_assert_eq!(after, before),
@@ -345,9 +345,7 @@ fn ages_are_those_of_the_policy<const WAYS: usize>(
     // All others keep their order among each other.
     if state.policy != Policy::Plru {
         let others = |set: &Set<WAYS>| {
-            let mut others: Vec<_> = (0..WAYS).filter(|&way| way != usize::from(outcome.way().0)).collect();
-            others.sort_by_key(|&way| set.order[way]);
-            others
+            set.order.iter().copied().filter(|&way| way != outcome.way().0).collect::<Vec<_>>()
         };
         prop_assert_eq!(others(&after), others(&before));
     }
@@ -437,7 +435,6 @@ fn counters_are_consistent<const WAYS: usize>(
     let counters = directory.counters();
     let resident: usize = directory.sets().iter().map(|set| contents(set).len()).sum();
     prop_assert_eq!(counters.accesses, run.len() as u64);
-    prop_assert_eq!(counters.hits + counters.misses, counters.accesses);
     prop_assert_eq!(counters.misses, counters.evictions + counters.invalidated + resident as u64);
     Ok(())
 }

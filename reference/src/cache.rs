@@ -86,7 +86,6 @@ impl NaiveCache {
         self.counters.accesses += 1;
 
         if let Some(way) = set.slots.iter().position(|&slot| slot == Some(line)) {
-            self.counters.hits += 1;
             if self.policy != Policy::Fifo {
                 set.order.retain(|&other| other != way);
                 set.order.push(way);
@@ -290,7 +289,7 @@ mod tests {
         cache.invalidate(HostAddr(31), 2);
         assert_eq!(cache.slots(0), [Some(LineAddr(0)), None, None, Some(LineAddr(3))]);
         assert_eq!(cache.access(LineAddr(9)), Outcome::Miss { way: Way(1), evicted: None });
-        let expected = Counters { accesses: 5, hits: 0, misses: 5, evictions: 0, invalidated: 2 };
+        let expected = Counters { accesses: 5, misses: 5, evictions: 0, invalidated: 2 };
         assert_eq!(cache.counters(), expected);
     }
 

@@ -79,7 +79,7 @@ fn model<const WAYS: usize>(config: CacheConfig, trace: &[HostAddr]) -> (u64, u6
     for &addr in trace {
         directory.access(config.geometry.line_of(addr));
     }
-    (directory.counters().hits, directory.counters().misses)
+    (directory.counters().hits(), directory.counters().misses)
 }
 
 /// Hits and misses of the naive cache.
@@ -88,7 +88,7 @@ fn naive(config: CacheConfig, trace: &[HostAddr]) -> (u64, u64) {
     for &addr in trace {
         cache.access(LineAddr((u64::from(addr.0) / config.geometry.line().0) as u32));
     }
-    (cache.counters().hits, cache.counters().misses)
+    (cache.counters().hits(), cache.counters().misses)
 }
 
 #[test]

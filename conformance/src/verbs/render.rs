@@ -58,8 +58,8 @@ struct Traffic {
 
 impl From<Counters> for Traffic {
     fn from(counters: Counters) -> Self {
-        let Counters { accesses, hits, misses, evictions, .. } = counters;
-        Self { accesses, hits, misses, evictions }
+        let Counters { accesses, misses, evictions, .. } = counters;
+        Self { accesses, hits: counters.hits(), misses, evictions }
     }
 }
 
