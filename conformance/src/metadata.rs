@@ -2,7 +2,8 @@
 
 use crate::args::Size;
 use crate::table::{Column, Table};
-use saarcor_model::geometry::{Geometry, METADATA_ENTRY_BYTES};
+use saarcor_model::geometry::Geometry;
+use saarcor_model::metadata::ENTRY_BYTES;
 use saarcor_model::units::Bytes;
 use saarcor_reference::paper::{self, MetadataExample};
 use serde::Serialize;
@@ -39,7 +40,7 @@ impl MetadataFacts {
             ways: geometry.ways(),
             lines: geometry.lines(),
             sets: geometry.sets(),
-            entry_bytes: METADATA_ENTRY_BYTES,
+            entry_bytes: ENTRY_BYTES as u64,
             metadata_bytes: metadata,
             metadata_percent: 100.0 * metadata as f64 / memory as f64,
         }

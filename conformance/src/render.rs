@@ -10,7 +10,7 @@ use saarcor_model::memory::{Memory, Port};
 use saarcor_model::raygen::Frame;
 use saarcor_model::rtp::{Pipeline, RayCounts};
 use saarcor_model::units::HostAddr;
-use saarcor_model::vm::{CacheConfig, Counters, VirtualMemory};
+use saarcor_model::vm::{CacheConfig, Counters, Directory, VirtualMemory};
 use saarcor_reference::flat::FlatMemory;
 use std::io::{Cursor, Write};
 
@@ -70,9 +70,9 @@ fn through_ways<const WAYS: usize>(
     options: &TraceOptions,
     cache: CacheConfig,
 ) -> (Picture, Counters) {
-    let mut memory = VirtualMemory::<_, WAYS>::new(cache, &world.image.bytes);
+    let mut memory = VirtualMemory::new(Directory::<WAYS>::new(cache), &world.image.bytes);
     let picture = picture(&mut memory, world, frame, options);
-    (picture, memory.directory().counters())
+    (picture, memory.directory.counters)
 }
 
 /// A memory of a type that is not known, so that the pipeline is compiled once for all of them.

@@ -312,7 +312,7 @@ impl<const WAYS: usize> ObservedCache for Observed<WAYS> {
     }
 
     fn play(&mut self, addresses: &[u32]) {
-        let geometry = self.directory.config().geometry;
+        let geometry = self.directory.config.geometry;
         self.counts.accesses += addresses.len() as u64;
         let mut last = None;
         for &addr in addresses {

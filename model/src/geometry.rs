@@ -1,10 +1,8 @@
 //! The shape of the on-board cache, and the size of its metadata (§3).
 
+use crate::metadata::ENTRY_BYTES;
 use crate::units::{Bytes, CardAddr, HostAddr, LineAddr, SetIndex, Way};
 use std::fmt;
-
-/// Bytes of metadata a line: its full host address and management bits (§3, Stated).
-pub const METADATA_ENTRY_BYTES: u64 = 5;
 
 /// Most ways a set can have (Assumed: twice what caches of the time had).
 pub const MAX_WAYS: u32 = 16;
@@ -154,7 +152,7 @@ impl Geometry {
     /// Size of the metadata: 5 bytes × memory / k (VM-2; §3, Stated).
     #[must_use]
     pub fn metadata(self) -> Bytes {
-        Bytes(METADATA_ENTRY_BYTES * self.lines())
+        Bytes(ENTRY_BYTES as u64 * self.lines())
     }
 
     /// The line that holds the byte at `addr`.

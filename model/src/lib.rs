@@ -15,12 +15,16 @@
 //! Fused multiply-add is not used: each `*` and `+` rounds by itself, so that results are the same
 //! on every machine.
 
+pub mod data_set;
 pub mod geometry;
 pub mod hash;
 pub mod image;
 pub mod intersection;
 pub mod kdtree;
+pub mod l1;
 pub mod memory;
+pub mod metadata;
+pub mod metadata_cache;
 pub mod ray;
 pub mod raygen;
 pub mod rtp;

@@ -63,45 +63,91 @@ impl Counters {
     }
 }
 
-/// The metadata of all lines: which line lies where. Version A keeps it on the chip (§3).
+/// Where the metadata of the sets is kept: this is all in which the versions of §3 differ.
+pub trait Metadata<const WAYS: usize> {
+    /// The state of the set `index`.
+    fn load(&mut self, index: SetIndex) -> Set<WAYS>;
+
+    /// Replaces the state of the set `index`.
+    fn store(&mut self, index: SetIndex, set: &Set<WAYS>);
+
+    /// Forgets all lines.
+    fn clear(&mut self);
+}
+
+/// Version A: the metadata of all sets lies on the chip (§3).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OnChip<const WAYS: usize> {
+    policy: Policy,
+    /// The sets, in the order of their indices.
+    pub sets: Vec<Set<WAYS>>,
+}
+
+impl<const WAYS: usize> OnChip<WAYS> {
+    /// The metadata of an empty cache.
+    #[must_use]
+    pub fn new(config: &CacheConfig) -> Self {
+        let sets = vec![Set::empty(config.policy); config.geometry.sets() as usize];
+        Self { policy: config.policy, sets }
+    }
+}
+
+impl<const WAYS: usize> Metadata<WAYS> for OnChip<WAYS> {
+    #[inline]
+    fn load(&mut self, index: SetIndex) -> Set<WAYS> {
+        self.sets[index.0 as usize]
+    }
+
+    #[inline]
+    fn store(&mut self, index: SetIndex, set: &Set<WAYS>) {
+        self.sets[index.0 as usize] = *set;
+    }
+
+    fn clear(&mut self) {
+        self.sets.fill(Set::empty(self.policy));
+    }
+}
+
+/// Decides which line lies where.
 ///
 /// The directory decides; [`VirtualMemory`] moves the bytes. A run that needs only the traffic
-/// uses the directory alone.
+/// uses the directory alone. The fields are public, so that a proof can start from any state.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Directory<const WAYS: usize> {
-    config: CacheConfig,
-    sets: Vec<Set<WAYS>>,
-    counters: Counters,
+pub struct Directory<const WAYS: usize, M = OnChip<WAYS>> {
+    /// Everything that it depends on.
+    pub config: CacheConfig,
+    /// The states of its sets.
+    pub metadata: M,
+    /// What has happened so far.
+    pub counters: Counters,
 }
 
 impl<const WAYS: usize> Directory<WAYS> {
-    /// The directory of an empty cache.
+    /// The directory of an empty cache of version A.
     ///
     /// # Panics
     /// If `WAYS` is not the number of ways of `config.geometry`.
     #[must_use]
     pub fn new(config: CacheConfig) -> Self {
-        assert_eq!(config.geometry.ways() as usize, WAYS, "the type and the geometry name the ways alike");
-        let sets = vec![Set::empty(config.policy); config.geometry.sets() as usize];
-        Self { config, sets, counters: Counters::default() }
-    }
-
-    /// The configuration.
-    #[must_use]
-    pub fn config(&self) -> &CacheConfig {
-        &self.config
+        Self::over(config, OnChip::new(&config))
     }
 
     /// The sets, in the order of their indices.
     #[must_use]
     pub fn sets(&self) -> &[Set<WAYS>] {
-        &self.sets
+        &self.metadata.sets
     }
+}
 
-    /// What has happened so far.
+impl<const WAYS: usize, M: Metadata<WAYS>> Directory<WAYS, M> {
+    /// A directory that keeps its metadata in `metadata`.
+    ///
+    /// # Panics
+    /// If `WAYS` is not the number of ways of `config.geometry`.
     #[must_use]
-    pub fn counters(&self) -> Counters {
-        self.counters
+    pub fn over(config: CacheConfig, metadata: M) -> Self {
+        assert_eq!(config.geometry.ways() as usize, WAYS, "the type and the geometry name the ways alike");
+        Self { config, metadata, counters: Counters::default() }
     }
 
     /// Uses `line`: one step of its set (VM-6).
@@ -109,12 +155,13 @@ impl<const WAYS: usize> Directory<WAYS> {
     #[inline(always)]
     pub fn access(&mut self, line: LineAddr) -> Outcome {
         self.counters.accesses += 1;
-        let set = &mut self.sets[self.config.set_of(line).0 as usize];
+        let index = self.config.set_of(line);
+        let set = self.metadata.load(index);
         if let Some(way) = set.way_if_youngest(line, self.config.policy) {
             return Outcome::Hit { way };
         }
         let (next, outcome) = set.access(line, self.config.policy);
-        *set = next;
+        self.metadata.store(index, &next);
         if let Outcome::Miss { evicted, .. } = outcome {
             self.counters.misses += 1;
             self.counters.evictions += u64::from(evicted.is_some());
@@ -131,8 +178,8 @@ impl<const WAYS: usize> Directory<WAYS> {
             }
         } else {
             // The range has more lines than the cache: ask each line of the cache instead.
-            for set in 0..self.sets.len() {
-                for line in self.sets[set].lines {
+            for set in 0..self.config.geometry.sets() as u32 {
+                for line in self.metadata.load(SetIndex(set)).lines {
                     if lines.contains(&u64::from(line.0)) {
                         self.invalidate_line(line);
                     }
@@ -142,46 +189,44 @@ impl<const WAYS: usize> Directory<WAYS> {
     }
 
     fn invalidate_line(&mut self, line: LineAddr) {
-        let set = &mut self.sets[self.config.set_of(line).0 as usize];
-        let (next, way) = set.invalidate(line);
-        *set = next;
-        self.counters.invalidated += u64::from(way.is_some());
+        let index = self.config.set_of(line);
+        let (next, way) = self.metadata.load(index).invalidate(line);
+        if way.is_some() {
+            self.metadata.store(index, &next);
+            self.counters.invalidated += 1;
+        }
     }
 
     /// Forgets all lines; the counters go on.
     pub fn flush(&mut self) {
-        self.sets.fill(Set::empty(self.config.policy));
+        self.metadata.clear();
     }
 }
 
 /// The virtual memory: the on-board memory, its directory, and the bus to host memory.
+///
+/// The fields are public, so that a proof can start from any state. What is written to `host` has
+/// then to be invalidated.
 #[derive(Clone, Debug)]
-pub struct VirtualMemory<H, const WAYS: usize> {
-    directory: Directory<WAYS>,
-    card: Vec<u8>,
-    host: H,
+pub struct VirtualMemory<H, const WAYS: usize, M = OnChip<WAYS>> {
+    /// Which line lies where.
+    pub directory: Directory<WAYS, M>,
+    /// The lines on the card, at their card addresses.
+    pub card: Vec<u8>,
+    /// The host's memory.
+    pub host: H,
 }
 
-impl<H: HostMemory, const WAYS: usize> VirtualMemory<H, WAYS> {
-    /// An empty cache in front of `host`.
+impl<H: HostMemory, const WAYS: usize, M: Metadata<WAYS>> VirtualMemory<H, WAYS, M> {
+    /// The cache that `directory` keeps in front of `host`.
     ///
     /// # Panics
-    /// If `WAYS` is not the number of ways of `config.geometry`.
+    /// If the directory is not empty: its lines would not be on the card.
     #[must_use]
-    pub fn new(config: CacheConfig, host: H) -> Self {
-        let card = vec![0; config.geometry.memory().0 as usize];
-        Self { directory: Directory::new(config), card, host }
-    }
-
-    /// Which line lies where.
-    #[must_use]
-    pub fn directory(&self) -> &Directory<WAYS> {
-        &self.directory
-    }
-
-    /// The host's memory, to write to it; what is written has then to be invalidated.
-    pub fn host_mut(&mut self) -> &mut H {
-        &mut self.host
+    pub fn new(directory: Directory<WAYS, M>, host: H) -> Self {
+        assert_eq!(directory.counters.accesses, 0, "an empty card needs an empty directory");
+        let card = vec![0; directory.config.geometry.memory().0 as usize];
+        Self { directory, card, host }
     }
 
     /// Forgets every line that `len` bytes at `addr` touch (VM-8).
@@ -199,11 +244,11 @@ impl<H: HostMemory, const WAYS: usize> VirtualMemory<H, WAYS> {
     /// # Panics
     /// If the bytes do not lie within one line.
     pub fn read_in_line(&mut self, addr: HostAddr, bytes: &mut [u8]) -> Outcome {
-        let CacheConfig { geometry, .. } = *self.directory.config();
+        let config = self.directory.config;
+        let geometry = config.geometry;
         let line = geometry.line_of(addr);
         let outcome = self.directory.access(line);
-        let set = self.directory.config().set_of(line);
-        let start = geometry.card_addr(set, outcome.way()).0 as usize;
+        let start = geometry.card_addr(config.set_of(line), outcome.way()).0 as usize;
         let line_on_card = &mut self.card[start..][..geometry.line().0 as usize];
         if let Outcome::Miss { .. } = outcome {
             self.host.read(geometry.first_byte(line), line_on_card);
@@ -213,9 +258,9 @@ impl<H: HostMemory, const WAYS: usize> VirtualMemory<H, WAYS> {
     }
 }
 
-impl<H: HostMemory, const WAYS: usize> Memory for VirtualMemory<H, WAYS> {
+impl<H: HostMemory, const WAYS: usize, M: Metadata<WAYS>> Memory for VirtualMemory<H, WAYS, M> {
     fn read(&mut self, _port: Port, addr: HostAddr, bytes: &mut [u8]) {
-        let geometry = self.directory.config().geometry;
+        let geometry = self.directory.config.geometry;
         let (mut addr, mut rest) = (addr, bytes);
         while !rest.is_empty() {
             let room = geometry.line().0 - u64::from(geometry.offset_of(addr));

@@ -432,7 +432,7 @@ fn counters_are_consistent<const WAYS: usize>(
             directory.invalidate(config.geometry.first_byte(run[i / 2]), 1);
         }
     }
-    let counters = directory.counters();
+    let counters = directory.counters;
     let resident: usize = directory.sets().iter().map(|set| contents(set).len()).sum();
     prop_assert_eq!(counters.accesses, run.len() as u64);
     prop_assert_eq!(counters.misses, counters.evictions + counters.invalidated + resident as u64);
@@ -470,7 +470,7 @@ fn invalidation_forgets_the_range<const WAYS: usize>(
     let range = config.lines_of(addr, len);
     let (gone, kept): (Vec<_>, _) = before.into_iter().partition(|line| range.contains(&u64::from(line.0)));
     prop_assert_eq!(resident_lines(&directory), kept);
-    prop_assert_eq!(directory.counters().invalidated, gone.len() as u64);
+    prop_assert_eq!(directory.counters.invalidated, gone.len() as u64);
     Ok(())
 }
 
@@ -487,9 +487,9 @@ fn flush_makes_a_new_directory<const WAYS: usize>(
     for &line in run {
         directory.access(line);
     }
-    let counters = directory.counters();
+    let counters = directory.counters;
     directory.flush();
-    prop_assert_eq!(directory.counters(), counters);
+    prop_assert_eq!(directory.counters, counters);
     let new = Directory::<WAYS>::new(config);
     prop_assert_eq!(directory.sets(), new.sets());
     Ok(())

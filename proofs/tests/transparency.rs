@@ -125,7 +125,7 @@ fn play<const WAYS: usize>(
     steps: &[Step],
 ) -> Result<Counters, TestCaseError> {
     let mut host = image.to_vec();
-    let mut memory = VirtualMemory::<_, WAYS>::new(config, image.to_vec());
+    let mut memory = VirtualMemory::new(Directory::<WAYS>::new(config), image.to_vec());
     let mut naive = NaiveVirtualMemory::new(config);
     let mut coherent = true;
     for step in steps {
@@ -148,13 +148,13 @@ fn play<const WAYS: usize>(
             }
             Step::Write { bytes, .. } => {
                 write(&mut host, addr, bytes);
-                write(memory.host_mut(), addr, bytes);
+                write(&mut memory.host, addr, bytes);
                 memory.invalidate(addr, bytes.len() as u64);
                 naive.invalidate(addr, bytes.len() as u64);
             }
             Step::SilentWrite { bytes, .. } => {
                 write(&mut host, addr, bytes);
-                write(memory.host_mut(), addr, bytes);
+                write(&mut memory.host, addr, bytes);
                 coherent = false;
             }
             Step::Invalidate { len, .. } => {
@@ -162,10 +162,10 @@ fn play<const WAYS: usize>(
                 naive.invalidate(addr, *len);
             }
         }
-        prop_assert_eq!(memory.directory().counters(), naive.cache().counters(), "after {:?}", step);
+        prop_assert_eq!(memory.directory.counters, naive.cache().counters(), "after {:?}", step);
     }
-    same_contents(memory.directory(), naive.cache())?;
-    Ok(memory.directory().counters())
+    same_contents(&memory.directory, naive.cache())?;
+    Ok(memory.directory.counters)
 }
 
 /// Every set holds the same lines in the same ways.
@@ -217,10 +217,10 @@ fn use_directory<const WAYS: usize>(config: CacheConfig, uses: &[Use]) -> Result
                 naive.flush();
             }
         }
-        prop_assert_eq!(directory.counters(), naive.counters(), "after {:?}", one);
+        prop_assert_eq!(directory.counters, naive.counters(), "after {:?}", one);
     }
     same_contents(&directory, &naive)?;
-    Ok(directory.counters())
+    Ok(directory.counters)
 }
 
 proptest! {

@@ -79,7 +79,7 @@ fn model<const WAYS: usize>(config: CacheConfig, trace: &[HostAddr]) -> (u64, u6
     for &addr in trace {
         directory.access(config.geometry.line_of(addr));
     }
-    (directory.counters().hits(), directory.counters().misses)
+    (directory.counters.hits(), directory.counters.misses)
 }
 
 /// Hits and misses of the naive cache.

@@ -1,0 +1,159 @@
+//! The first-level caches (§2, §4): one a type of functional unit, in front of the virtual memory.
+
+use crate::data_set::DataSet;
+use crate::memory::{Memory, Port};
+use crate::set::{Outcome, Policy};
+use crate::units::{HostAddr, LineAddr};
+
+/// A first-level cache with lines of `BYTES` bytes, any number: lines of one item by default
+/// (L1-1), as §4 caches single triangles and kd-nodes.
+///
+/// Line `i` begins `i · BYTES` behind `base`, where the region of the unit's items begins. What
+/// lies before `base` is read from behind and not cached.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct L1<const WAYS: usize, const BYTES: usize> {
+    /// First address that is cached.
+    pub base: HostAddr,
+    /// Replacement.
+    pub policy: Policy,
+    /// The sets; a power of two of them, indexed by the lower bits of the line (Assumed).
+    pub sets: Vec<DataSet<WAYS, BYTES>>,
+    /// Lines that were found.
+    pub hits: u64,
+    /// Lines that were loaded.
+    pub misses: u64,
+}
+
+impl<const WAYS: usize, const BYTES: usize> L1<WAYS, BYTES> {
+    /// An empty cache of `sets` sets.
+    ///
+    /// # Panics
+    /// If `sets` is not a power of two, or a line has no bytes.
+    #[must_use]
+    pub fn new(base: HostAddr, sets: usize, policy: Policy) -> Self {
+        assert!(sets.is_power_of_two() && BYTES > 0, "a power of two of sets, and lines of some bytes");
+        Self { base, policy, sets: vec![DataSet::empty(policy); sets], hits: 0, misses: 0 }
+    }
+
+    /// Reads `bytes` at `addr`, line by line, through `port` of the memory `below` where a line is
+    /// not here.
+    pub fn read(&mut self, below: &mut impl Memory, port: Port, addr: HostAddr, bytes: &mut [u8]) {
+        let Some(mut place) = addr.0.checked_sub(self.base.0).map(|place| place as usize) else {
+            below.read(port, addr, bytes);
+            return;
+        };
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            let (line, offset) = (LineAddr((place / BYTES) as u32), place % BYTES);
+            let (now, later) = rest.split_at_mut((BYTES - offset).min(rest.len()));
+            now.copy_from_slice(&self.line(below, port, line)[offset..][..now.len()]);
+            place += now.len();
+            rest = later;
+        }
+    }
+
+    /// The bytes of a line, loaded where it is not here.
+    fn line(&mut self, below: &mut impl Memory, port: Port, line: LineAddr) -> [u8; BYTES] {
+        let set = self.index_of(line);
+        let first = u64::from(self.base.0) + u64::from(line.0) * BYTES as u64;
+        let (next, outcome, _) = self.sets[set].access(line, self.policy, || match u32::try_from(first) {
+            Ok(first) => below.fetch(port, HostAddr(first)),
+            // Beyond the end of the address space.
+            Err(_) => [0; BYTES],
+        });
+        self.sets[set] = next;
+        match outcome {
+            Outcome::Hit { .. } => self.hits += 1,
+            Outcome::Miss { .. } => self.misses += 1,
+        }
+        next.bytes[usize::from(outcome.way().0)]
+    }
+
+    fn index_of(&self, line: LineAddr) -> usize {
+        line.0 as usize & (self.sets.len() - 1)
+    }
+
+    /// Forgets every line that `len` bytes at `addr` meet.
+    pub fn invalidate(&mut self, addr: HostAddr, len: u64) {
+        let end = (u64::from(addr.0)).saturating_add(len).saturating_sub(u64::from(self.base.0));
+        let first = u64::from(addr.0).saturating_sub(u64::from(self.base.0)) / BYTES as u64;
+        let lines = first..end.div_ceil(BYTES as u64);
+        for set in &mut self.sets {
+            for way in 0..WAYS {
+                let line = set.set.lines[way];
+                if set.set.resident[way] && lines.contains(&u64::from(line.0)) {
+                    *set = set.invalidate(line).0;
+                }
+            }
+        }
+    }
+}
+
+/// Sets of each first-level cache; all have 4 ways (§2, Stated).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct L1Sizes {
+    /// Sets of the shading cache, of lines of 64 bytes (Assumed).
+    pub shading: usize,
+    /// Sets of the cache of kd-nodes, 8 bytes each.
+    pub nodes: usize,
+    /// Sets of the cache of list entries, 4 bytes each.
+    pub lists: usize,
+    /// Sets of the cache of triangles, 36 bytes each.
+    pub triangles: usize,
+}
+
+impl L1Sizes {
+    /// 64 KB, 64 KB, 64 KB and 144 KB (§4, Stated).
+    pub const STANDARD: Self = Self { shading: 256, nodes: 2048, lists: 4096, triangles: 1024 };
+}
+
+/// The four first-level caches, each behind its port, in front of one memory.
+#[derive(Clone, Debug)]
+pub struct FirstLevel<M> {
+    /// Materials, shading records, textures.
+    pub shading: L1<4, 64>,
+    /// kd-nodes.
+    pub nodes: L1<4, 8>,
+    /// List entries.
+    pub lists: L1<4, 4>,
+    /// Triangles.
+    pub triangles: L1<4, 36>,
+    /// The memory behind: the virtual memory.
+    pub below: M,
+}
+
+impl<M: Memory> FirstLevel<M> {
+    /// Empty caches in front of `below`; the triangles begin at `triangles`, all other regions at
+    /// multiples of their lines (HI-2).
+    #[must_use]
+    pub fn new(sizes: L1Sizes, policy: Policy, triangles: HostAddr, below: M) -> Self {
+        let base = HostAddr(0);
+        Self {
+            shading: L1::new(base, sizes.shading, policy),
+            nodes: L1::new(base, sizes.nodes, policy),
+            lists: L1::new(base, sizes.lists, policy),
+            triangles: L1::new(triangles, sizes.triangles, policy),
+            below,
+        }
+    }
+
+    /// Forgets every line that `len` bytes at `addr` meet, for a host that writes there. The
+    /// memory behind has to forget first (L1-2): a line that is loaded in between would be old.
+    pub fn invalidate(&mut self, addr: HostAddr, len: u64) {
+        self.shading.invalidate(addr, len);
+        self.nodes.invalidate(addr, len);
+        self.lists.invalidate(addr, len);
+        self.triangles.invalidate(addr, len);
+    }
+}
+
+impl<M: Memory> Memory for FirstLevel<M> {
+    fn read(&mut self, port: Port, addr: HostAddr, bytes: &mut [u8]) {
+        match port {
+            Port::Shading => self.shading.read(&mut self.below, port, addr, bytes),
+            Port::Node => self.nodes.read(&mut self.below, port, addr, bytes),
+            Port::List => self.lists.read(&mut self.below, port, addr, bytes),
+            Port::Triangle => self.triangles.read(&mut self.below, port, addr, bytes),
+        }
+    }
+}

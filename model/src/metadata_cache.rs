@@ -1,0 +1,158 @@
+//! Version B (§3, §4): the metadata lies in the on-board memory, and the chip keeps a part of it
+//! in a small write-back cache.
+//!
+//! The metadata of a set is that of its ways, way by way; the sets follow one another (Assumed).
+//! The cache is filled and written back in granules of `GRANULE` bytes, a parameter: the metadata
+//! of a set may straddle granules.
+
+use crate::data_set::{DataSet, WriteBack};
+use crate::metadata::{Corrupt, ENTRY_BYTES};
+use crate::set::{Outcome, Policy, Set};
+use crate::units::{LineAddr, SetIndex};
+use crate::vm::{CacheConfig, Metadata};
+use std::ops::RangeInclusive;
+
+/// What went through the metadata cache.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct MetadataTraffic {
+    /// Granules asked for: to read the metadata of a set, and again to write what changed.
+    pub accesses: u64,
+    /// Granules read from the on-board memory.
+    pub loads: u64,
+    /// Granules written back to it.
+    pub write_backs: u64,
+    /// Sets whose metadata was corrupt, and which were taken for empty (VM-14).
+    pub corrupt: u64,
+}
+
+/// The metadata of version B: `WAYS` ways a set of lines, `META_WAYS` ways a set of granules (4 in
+/// the paper: §4, Stated).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CachedMetadata<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> {
+    /// Replacement of lines: says which metadata is legal.
+    pub lines: Policy,
+    /// Replacement of granules (LRU Assumed).
+    pub granules: Policy,
+    /// The metadata cache; a power of two of sets, indexed by the granule's lower bits (Assumed).
+    pub cache: Vec<DataSet<META_WAYS, GRANULE>>,
+    /// The metadata in the on-board memory: whole granules.
+    pub card: Vec<u8>,
+    /// What went through the metadata cache.
+    pub traffic: MetadataTraffic,
+}
+
+impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize>
+    CachedMetadata<WAYS, META_WAYS, GRANULE>
+{
+    /// Bytes of metadata a set of lines.
+    const SET_BYTES: usize = WAYS * ENTRY_BYTES;
+
+    /// The metadata of an empty cache of lines, behind an empty metadata cache of `sets` sets.
+    ///
+    /// # Panics
+    /// If `sets` is not a power of two.
+    #[must_use]
+    pub fn new(config: &CacheConfig, sets: usize, granules: Policy) -> Self {
+        assert!(sets.is_power_of_two(), "{sets} sets of metadata: it must be a power of two");
+        let bytes = config.geometry.sets() as usize * Self::SET_BYTES;
+        let mut new = Self {
+            lines: config.policy,
+            granules,
+            cache: vec![DataSet::empty(granules); sets],
+            card: vec![0; bytes.next_multiple_of(GRANULE)],
+            traffic: MetadataTraffic::default(),
+        };
+        new.clear();
+        new
+    }
+
+    /// Granule and offset of byte `i` of the metadata of the set `index`.
+    fn place(index: SetIndex, i: usize) -> (LineAddr, usize) {
+        let byte = index.0 as usize * Self::SET_BYTES + i;
+        (LineAddr((byte / GRANULE) as u32), byte % GRANULE)
+    }
+
+    /// The granules that hold metadata of the set `index`.
+    fn granules_of(index: SetIndex) -> RangeInclusive<u32> {
+        Self::place(index, 0).0.0..=Self::place(index, Self::SET_BYTES - 1).0.0
+    }
+
+    fn cached(&self, granule: LineAddr) -> usize {
+        granule.0 as usize & (self.cache.len() - 1)
+    }
+
+    /// The metadata of a set as the cache and the on-board memory together hold it (VM-13).
+    #[must_use]
+    pub fn entries(&self, index: SetIndex) -> [[u8; ENTRY_BYTES]; WAYS] {
+        let mut entries = [[0; ENTRY_BYTES]; WAYS];
+        for (i, byte) in entries.as_flattened_mut().iter_mut().enumerate() {
+            let (granule, offset) = Self::place(index, i);
+            let cached = &self.cache[self.cached(granule)];
+            *byte = match cached.set.way_of(granule) {
+                Some(way) => cached.bytes[usize::from(way.0)][offset],
+                None => self.card[granule.0 as usize * GRANULE + offset],
+            };
+        }
+        entries
+    }
+
+    /// Brings a granule into the cache, and edits it there.
+    fn use_granule(&mut self, granule: LineAddr, edit: Option<impl FnOnce(&mut [u8; GRANULE])>) {
+        let cached = self.cached(granule);
+        let (mut next, outcome, write_back) = self.cache[cached].access(granule, self.granules, || {
+            let mut bytes = [0; GRANULE];
+            bytes.copy_from_slice(&self.card[granule.0 as usize * GRANULE..][..GRANULE]);
+            bytes
+        });
+        if let Some(edit) = edit {
+            let mut bytes = next.bytes[usize::from(outcome.way().0)];
+            edit(&mut bytes);
+            next = next.write(outcome.way(), bytes);
+        }
+        self.cache[cached] = next;
+        if let Some(WriteBack { line, bytes }) = write_back {
+            self.card[line.0 as usize * GRANULE..][..GRANULE].copy_from_slice(&bytes);
+            self.traffic.write_backs += 1;
+        }
+        self.traffic.accesses += 1;
+        self.traffic.loads += u64::from(matches!(outcome, Outcome::Miss { .. }));
+    }
+}
+
+impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> Metadata<WAYS>
+    for CachedMetadata<WAYS, META_WAYS, GRANULE>
+{
+    /// Corrupt metadata makes an empty set (VM-14): all that is lost is what the host has too.
+    fn load(&mut self, index: SetIndex) -> Set<WAYS> {
+        for granule in Self::granules_of(index) {
+            self.use_granule(LineAddr(granule), None::<fn(&mut [u8; GRANULE])>);
+        }
+        Set::from_entries(self.entries(index), self.lines).unwrap_or_else(|Corrupt| {
+            self.traffic.corrupt += 1;
+            Set::empty(self.lines)
+        })
+    }
+
+    /// A granule is written, and so becomes dirty, only where it changes.
+    fn store(&mut self, index: SetIndex, set: &Set<WAYS>) {
+        let (old, new) = (self.entries(index), set.to_entries());
+        let (old, new) = (old.as_flattened(), new.as_flattened());
+        for granule in Self::granules_of(index) {
+            let here = |i: &usize| Self::place(index, *i).0.0 == granule;
+            if (0..Self::SET_BYTES).filter(here).any(|i| old[i] != new[i]) {
+                let edit = |bytes: &mut [u8; GRANULE]| {
+                    (0..Self::SET_BYTES).filter(here).for_each(|i| bytes[Self::place(index, i).1] = new[i]);
+                };
+                self.use_granule(LineAddr(granule), Some(edit));
+            }
+        }
+    }
+
+    fn clear(&mut self) {
+        self.cache.fill(DataSet::empty(self.granules));
+        let empty = Set::<WAYS>::empty(self.lines).to_entries();
+        for (slot, byte) in self.card.iter_mut().zip(empty.as_flattened().iter().cycle()) {
+            *slot = *byte;
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! Arbitrary parts of the model, drawn from a source of values.
+
+use crate::source::{Source, Stop};
+use crate::{assume, check};
+use saarcor_model::geometry::{Geometry, MAX_WAYS};
+use saarcor_model::hash::Hash;
+use saarcor_model::set::{Policy, Set};
+use saarcor_model::units::{Bytes, HostAddr, LineAddr};
+
+/// 0, 1, 2 ..., of which small scopes are parts.
+pub static BYTES: [u8; 34] = {
+    let mut bytes = [0; 34];
+    let mut i = 0;
+    while i < bytes.len() {
+        bytes[i] = i as u8;
+        i += 1;
+    }
+    bytes
+};
+
+/// The same in 32 bits.
+pub static WORDS: [u32; 34] = {
+    let mut words = [0; 34];
+    let mut i = 0;
+    while i < words.len() {
+        words[i] = i as u32;
+        i += 1;
+    }
+    words
+};
+
+/// Addresses around the powers of two, and at both ends: where fields of an address begin and end.
+pub static EDGES: [u32; 96] = {
+    let mut edges = [0; 96];
+    let mut bit = 0;
+    while bit < 32 {
+        edges[3 * bit] = (1_u32 << bit) - 1;
+        edges[3 * bit + 1] = 1 << bit;
+        edges[3 * bit + 2] = !(1 << bit);
+        bit += 1;
+    }
+    edges
+};
+
+/// A few of them, for theorems that draw several.
+pub static ENDS: [u32; 12] =
+    [0, 1, 2, 3, 127, 128, 0xffff, 0x1_0000, 0x1_0001, 0x8000_0000, u32::MAX - 1, u32::MAX];
+
+/// One of two.
+pub fn flag(s: &mut impl Source, name: &'static str) -> bool {
+    s.value(name, 0..=1, &BYTES[..2]) == 1
+}
+
+/// Any replacement policy.
+pub fn policy(s: &mut impl Source) -> Policy {
+    match s.value("policy (lru, fifo, plru)", 0..=2, &BYTES[..3]) {
+        0 => Policy::Lru,
+        1 => Policy::Fifo,
+        _ => Policy::Plru,
+    }
+}
+
+/// Any index hash.
+pub fn hash(s: &mut impl Source) -> Hash {
+    match s.value("hash (low, add-upper, add-upper-all)", 0..=2, &BYTES[..3]) {
+        0 => Hash::Low,
+        1 => Hash::AddUpper,
+        _ => Hash::AddUpperAll,
+    }
+}
+
+/// Binary logarithms of the ways, the line and the sets of any legal geometry, up to 4 GiB.
+pub fn logarithms<S: Source>(s: &mut S) -> Result<(u32, u32, u32), Stop> {
+    let ways = s.value("log2 ways", 0..=MAX_WAYS.ilog2(), &WORDS[..5]);
+    let line = s.value("log2 line", 0..=32, &WORDS[..33]);
+    assume!(ways + line <= 32);
+    let sets = s.value("log2 sets", 0..=32, &WORDS[..33]);
+    assume!(ways + line + sets <= 32);
+    Ok((ways, line, sets))
+}
+
+/// The geometry of these logarithms.
+pub fn of_logarithms(ways: u32, line: u32, sets: u32) -> Result<Geometry, Stop> {
+    match Geometry::new(Bytes(1 << (ways + line + sets)), Bytes(1 << line), 1 << ways) {
+        Ok(geometry) => Ok(geometry),
+        Err(_) => {
+            check!(false, "legal sizes are refused: 2^{ways} ways, 2^{line} bytes a line, 2^{sets} sets");
+            Err(Stop::Vacuous)
+        }
+    }
+}
+
+/// Any legal geometry, up to 4 GiB.
+pub fn geometry<S: Source>(s: &mut S) -> Result<Geometry, Stop> {
+    let (ways, line, sets) = logarithms(s)?;
+    of_logarithms(ways, line, sets)
+}
+
+/// Any host address.
+pub fn addr(s: &mut impl Source, small: &'static [u32]) -> HostAddr {
+    HostAddr(s.value("address", 0..=u32::MAX, small))
+}
+
+/// Any line address.
+pub fn line(s: &mut impl Source, small: &'static [u32]) -> LineAddr {
+    LineAddr(s.value("line", 0..=u32::MAX, small))
+}

@@ -1,0 +1,253 @@
+//! The engines that run everywhere: every value of a small scope, and values at random.
+
+use crate::source::{Holds, Source, Stop, Theorem, Value};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, TestRng, TestRunner};
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
+use std::ops::RangeInclusive;
+
+/// What an engine showed of a theorem.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Report {
+    /// Whether the theorem holds for all cases, and every cover was reached.
+    pub holds: bool,
+    /// The values that were drawn.
+    pub scope: String,
+    /// Cases tried, vacuous ones included.
+    pub cases: u64,
+    /// Cases that the theorem does not speak of.
+    pub vacuous: u64,
+    /// How often each of the theorem's covers was reached.
+    pub covers: Vec<u64>,
+    /// The case for which the theorem does not hold, or what was never reached.
+    pub counterexample: Option<String>,
+}
+
+/// What both engines note.
+#[derive(Clone, Debug, Default)]
+struct Notes {
+    covers: BTreeMap<&'static str, u64>,
+    /// The values of the present case by name, while a counterexample is told.
+    told: Option<String>,
+}
+
+impl Notes {
+    fn cover(&mut self, label: &'static str, reached: bool) {
+        if reached {
+            *self.covers.entry(label).or_default() += 1;
+        }
+    }
+
+    fn tell(&mut self, name: &str, value: impl std::fmt::Display) {
+        if let Some(told) = &mut self.told {
+            let comma = if told.is_empty() { "" } else { ", " };
+            let _ = write!(told, "{comma}{name} = {value}");
+        }
+    }
+}
+
+impl Theorem {
+    fn report(
+        &self,
+        scope: String,
+        [cases, vacuous]: [u64; 2],
+        notes: &Notes,
+        failed: Option<String>,
+    ) -> Report {
+        let covers: Vec<_> =
+            self.covers.iter().map(|label| notes.covers.get(label).copied().unwrap_or(0)).collect();
+        let unreached = self.covers.iter().zip(&covers).find(|(_, count)| **count == 0);
+        let undeclared = notes.covers.keys().find(|label| !self.covers.contains(label));
+        let counterexample = failed
+            .or_else(|| unreached.map(|(label, _)| format!("never reached: {label}")))
+            .or_else(|| undeclared.map(|label| format!("reached, but not declared: {label}")));
+        Report { holds: counterexample.is_none(), scope, cases, vacuous, covers, counterexample }
+    }
+}
+
+/// The exhaustive engine: an odometer whose digits are the values drawn, in their order.
+#[derive(Clone, Debug, Default)]
+pub struct Exhaustive {
+    digits: Vec<Digit>,
+    drawn: usize,
+    notes: Notes,
+    scope: BTreeMap<&'static str, (BTreeSet<u64>, [u64; 2])>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Digit {
+    at: usize,
+    len: usize,
+}
+
+impl Source for Exhaustive {
+    #[inline]
+    fn value<T: Value>(&mut self, name: &'static str, full: RangeInclusive<T>, small: &'static [T]) -> T {
+        if self.drawn == self.digits.len() {
+            assert!(
+                small.iter().all(|value| full.contains(value)),
+                "{name}: the small scope is a part of the full"
+            );
+            self.digits.push(Digit { at: 0, len: small.len() });
+            let (values, ends) = self.scope.entry(name).or_default();
+            values.extend(small.iter().map(|&value| value.into()));
+            let [low, high] = [*full.start(), *full.end()].map(Into::into);
+            *ends = [low.min(ends[0]), high.max(ends[1])];
+        }
+        let value = small[self.digits[self.drawn].at];
+        self.drawn += 1;
+        self.notes.tell(name, value);
+        value
+    }
+
+    fn cover(&mut self, label: &'static str, reached: bool) {
+        self.notes.cover(label, reached);
+    }
+}
+
+impl Exhaustive {
+    /// Tries every case of the theorem's small scope, up to the first that fails.
+    #[must_use]
+    pub fn judge(theorem: &Theorem) -> Report {
+        let mut engine = Self::default();
+        let (mut cases, mut vacuous) = (0, 0);
+        let failed = loop {
+            engine.drawn = 0;
+            cases += 1;
+            match (theorem.exhaustive)(&mut engine) {
+                Ok(()) => {}
+                Err(Stop::Vacuous) => vacuous += 1,
+                Err(Stop::Disproved(claim)) => {
+                    engine.notes.told = Some(String::new());
+                    engine.drawn = 0;
+                    let _ = (theorem.exhaustive)(&mut engine);
+                    break engine.notes.told.take().map(|told| format!("{claim} (where {told})"));
+                }
+            }
+            if !engine.advance() {
+                break None;
+            }
+        };
+        theorem.report(engine.scope(), [cases, vacuous], &engine.notes, failed)
+    }
+
+    /// The next case; false after the last.
+    fn advance(&mut self) -> bool {
+        self.digits.truncate(self.drawn);
+        while let Some(last) = self.digits.last_mut() {
+            last.at += 1;
+            if last.at < last.len {
+                return true;
+            }
+            self.digits.pop();
+        }
+        false
+    }
+
+    /// The values tried, by name.
+    fn scope(&self) -> String {
+        let mut text = String::new();
+        for (name, (values, [low, high])) in &self.scope {
+            let (first, last) = (values.first().unwrap_or(&0), values.last().unwrap_or(&0));
+            let comma = if text.is_empty() { "" } else { ", " };
+            let _ = write!(text, "{comma}{name} ");
+            let gapless = last - first == values.len() as u64 - 1;
+            let _ = if gapless {
+                write!(text, "{first}..={last}")
+            } else {
+                let list: Vec<_> = values.iter().map(u64::to_string).collect();
+                if list.len() <= 6 {
+                    write!(text, "{{{}}}", list.join(", "))
+                } else {
+                    write!(text, "{} values from {first} to {last}", list.len())
+                }
+            };
+            if [first, last] != [low, high] || !gapless {
+                let _ = write!(text, " of {low}..={high}");
+            }
+        }
+        text
+    }
+}
+
+/// The random engine: a tape of random words, which proptest shortens and shrinks.
+#[derive(Clone, Debug, Default)]
+pub struct Random {
+    tape: Vec<u64>,
+    drawn: usize,
+    notes: Notes,
+}
+
+/// Words on a tape; what is drawn beyond its end is the first small value.
+const TAPE: usize = 160;
+
+impl Source for Random {
+    #[inline]
+    fn value<T: Value>(&mut self, name: &'static str, full: RangeInclusive<T>, small: &'static [T]) -> T {
+        let word = self.tape.get(self.drawn).copied().unwrap_or(0);
+        self.drawn += 1;
+        // Small values meet each other more often than values of the whole range do, and a word
+        // of 0, to which proptest shrinks, is the first of them.
+        let (kind, word) = (word % 4, word / 4);
+        let [low, high]: [u64; 2] = [*full.start(), *full.end()].map(Into::into);
+        let value = match kind {
+            0..3 => small[(word % small.len() as u64) as usize],
+            _ => T::above(*full.start(), (high - low).checked_add(1).map_or(word, |span| word % span)),
+        };
+        self.notes.tell(name, value);
+        value
+    }
+
+    fn cover(&mut self, label: &'static str, reached: bool) {
+        self.notes.cover(label, reached);
+    }
+}
+
+impl Random {
+    /// Tries that many cases over the theorem's full scope, the same in every run; shrinks the
+    /// first that fails.
+    #[must_use]
+    pub fn judge(theorem: &Theorem, cases: u32) -> Report {
+        let config =
+            Config { cases, failure_persistence: None, max_shrink_iters: 100_000, ..Config::default() };
+        let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+        let engine = RefCell::new((Self::default(), [0_u64; 2]));
+        let result = TestRunner::new_with_rng(config, rng).run(&tapes(), |tape| {
+            let (engine, [cases, vacuous]) = &mut *engine.borrow_mut();
+            *cases += 1;
+            match engine.play(theorem, tape) {
+                Ok(()) => Ok(()),
+                Err(Stop::Vacuous) => {
+                    *vacuous += 1;
+                    Ok(())
+                }
+                Err(Stop::Disproved(claim)) => Err(TestCaseError::fail(claim)),
+            }
+        });
+        let (mut engine, counts) = engine.into_inner();
+        let failed = match result {
+            Ok(()) => None,
+            Err(TestError::Fail(_, tape)) => {
+                engine.notes.told = Some(String::new());
+                let claim = match engine.play(theorem, tape) {
+                    Err(Stop::Disproved(claim)) => claim,
+                    _ => "does not fail again".to_owned(),
+                };
+                engine.notes.told.take().map(|told| format!("{claim} (where {told})"))
+            }
+            Err(TestError::Abort(reason)) => Some(reason.message().to_owned()),
+        };
+        theorem.report("all values, at random".to_owned(), counts, &engine.notes, failed)
+    }
+
+    fn play(&mut self, theorem: &Theorem, tape: Vec<u64>) -> Holds {
+        (self.tape, self.drawn) = (tape, 0);
+        (theorem.random)(self)
+    }
+}
+
+fn tapes() -> impl Strategy<Value = Vec<u64>> {
+    proptest::collection::vec(any::<u64>(), TAPE)
+}

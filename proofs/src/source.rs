@@ -1,0 +1,170 @@
+//! Where a theorem's values come from: one body, several engines.
+//!
+//! A theorem is a plain function over a [`Source`]. It draws arbitrary values, assumes what it is
+//! about, and checks what it claims. Kani draws symbols and so speaks of all values; the engines
+//! of [`crate::engines`] draw the values of a small scope one after another, or values at random.
+
+use std::fmt::Display;
+use std::ops::RangeInclusive;
+
+/// Why a body ended before its end.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// The values drawn are none that the theorem speaks of.
+    Vacuous,
+    /// What the theorem claims does not hold: what was expected, and what was got.
+    Disproved(String),
+}
+
+/// How a body ends.
+pub type Holds = Result<(), Stop>;
+
+/// A type of values that can be drawn.
+pub trait Value: Copy + PartialOrd + Display + Into<u64> + Sized {
+    /// Any value, for Kani.
+    #[cfg(kani)]
+    fn any() -> Self;
+    /// The value `distance` above `from`; in range where it is asked for.
+    fn above(from: Self, distance: u64) -> Self;
+}
+
+macro_rules! values {
+    ($($t:ty),*) => {$(
+        impl Value for $t {
+            #[cfg(kani)]
+            fn any() -> Self {
+                #[cfg(kani_stub)]
+                use crate::stub as kani;
+                kani::any()
+            }
+            fn above(from: Self, distance: u64) -> Self {
+                from.wrapping_add(distance as $t)
+            }
+        }
+    )*};
+}
+
+values!(u8, u16, u32, u64);
+
+/// Where values come from.
+pub trait Source {
+    /// Any value of `full`. The exhaustive engine draws each of `small`, which are some of it.
+    fn value<T: Value>(&mut self, name: &'static str, full: RangeInclusive<T>, small: &'static [T]) -> T;
+
+    /// Notes that a case of interest was reached, so that no theorem holds for want of cases.
+    fn cover(&mut self, label: &'static str, reached: bool);
+}
+
+/// The theorem speaks only of values for which this holds.
+#[macro_export]
+macro_rules! assume {
+    ($holds:expr) => {
+        let holds: bool = $holds;
+        #[cfg(all(kani, not(kani_stub)))]
+        ::kani::assume(holds);
+        #[cfg(any(not(kani), kani_stub))]
+        if !holds {
+            return Err($crate::source::Stop::Vacuous);
+        }
+    };
+}
+
+/// The theorem claims that this holds; the rest describes the case for a person.
+#[macro_export]
+macro_rules! check {
+    ($holds:expr, $($case:tt)+) => {
+        let holds: bool = $holds;
+        #[cfg(kani)]
+        assert!(holds, "the theorem's claim");
+        #[cfg(not(kani))]
+        if !holds {
+            return Err($crate::source::Stop::Disproved(format!($($case)+)));
+        }
+    };
+}
+
+/// The theorem claims that both are equal.
+#[macro_export]
+macro_rules! check_eq {
+    ($got:expr, $expected:expr, $($case:tt)+) => {
+        let (got, expected) = (&$got, &$expected);
+        $crate::check!(got == expected, "{}: expected {:?}, got {:?}", format_args!($($case)+), expected, got);
+    };
+}
+
+/// A case of interest, which an engine has to reach.
+#[macro_export]
+macro_rules! cover {
+    ($source:expr, $label:literal, $reached:expr) => {
+        let reached: bool = $reached;
+        #[cfg(all(kani, not(kani_stub)))]
+        ::kani::cover!(reached, $label);
+        $source.cover($label, reached);
+    };
+}
+
+/// A registered theorem.
+#[cfg(not(kani))]
+pub struct Theorem {
+    /// The function's name.
+    pub name: &'static str,
+    /// The unit of the model, which is the module.
+    pub unit: &'static str,
+    /// The requirement of SPEC.md.
+    pub requirement: &'static str,
+    /// What holds, in English.
+    pub says: &'static str,
+    /// Cases that an engine has to reach.
+    pub covers: &'static [&'static str],
+    /// The body for the exhaustive engine.
+    pub exhaustive: fn(&mut crate::engines::Exhaustive) -> Holds,
+    /// The body for the random engine.
+    pub random: fn(&mut crate::engines::Random) -> Holds,
+}
+
+/// Declares the theorems of a unit: each a documentation comment, which is what the theorem says,
+/// its requirement, Kani's unwind bound, its covers, and its body.
+///
+/// An unwind bound is one more than the longest loop's turns; Kani tells when it is too low.
+#[macro_export]
+macro_rules! theorems {
+    ($unit:literal; $(
+        $(#[doc = $says:literal])+
+        #[$requirement:literal, unwind $unwind:literal, covers $covers:tt]
+        fn $name:ident($source:ident) $body:block
+    )+) => {
+        $(
+            $(#[doc = $says])+
+            ///
+            /// # Errors
+            /// Where it does not hold for the values drawn, or does not speak of them.
+            pub fn $name<S: $crate::source::Source>($source: &mut S) -> $crate::source::Holds {
+                $body
+                Ok(())
+            }
+        )+
+
+        /// The theorems of this unit.
+        #[cfg(not(kani))]
+        pub const THEOREMS: &[$crate::source::Theorem] = &[$($crate::source::Theorem {
+            name: stringify!($name),
+            unit: $unit,
+            requirement: $requirement,
+            says: concat!($($says),+),
+            covers: &$covers,
+            exhaustive: $name::<$crate::engines::Exhaustive>,
+            random: $name::<$crate::engines::Random>,
+        }),+];
+
+        #[cfg(kani)]
+        mod kani_proofs {
+            $(
+                #[cfg_attr(not(kani_stub), kani::proof, kani::unwind($unwind))]
+                fn $name() {
+                    // A failed claim panics, and no case is vacuous: Kani assumes.
+                    let _ = super::$name(&mut $crate::kani_source::Symbols);
+                }
+            )+
+        }
+    };
+}
