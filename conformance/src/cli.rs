@@ -2,7 +2,7 @@
 
 use crate::output::{ClosedPipe, Stdout};
 use crate::progress::Progress;
-use crate::verbs::{metadata, render, reproduce, scenes, trace, walk};
+use crate::verbs::{metadata, prove, render, reproduce, scenes, trace, walk};
 use anyhow::{Context, Result};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -10,8 +10,17 @@ use std::ffi::OsString;
 use std::io::Write as _;
 use std::process::ExitCode;
 
-/// What was asked for holds, or is done.
-const HOLDS: u8 = 0;
+/// How a command ends that had no wrong input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// What was asked for holds, or is done.
+    Holds = 0,
+    /// It does not hold.
+    Disproved = 1,
+    /// Not all of it could be told.
+    Incomplete = 3,
+}
+
 /// The arguments or the input are wrong, or output could not be written.
 const BAD_INPUT: u8 = 2;
 
@@ -50,6 +59,7 @@ enum Verb {
     Render(render::Args),
     Walk(walk::Args),
     Trace(trace::Args),
+    Prove(prove::Args),
     Reproduce(reproduce::Args),
 }
 
@@ -60,7 +70,7 @@ enum Verb {
 pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let done = match Cli::try_parse_from(args) {
         Ok(cli) => cli.run(),
-        Err(usage) => answer(&usage),
+        Err(usage) => answer(&usage).map(|()| Status::Holds),
     };
     match done {
         Err(error) if !error.is::<ClosedPipe>() => {
@@ -69,25 +79,30 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
             let _ = writeln!(std::io::stderr(), "{line}");
             ExitCode::from(BAD_INPUT)
         }
-        _ => ExitCode::from(HOLDS),
+        Ok(status) => ExitCode::from(status as u8),
+        Err(_) => ExitCode::from(Status::Holds as u8),
     }
 }
 
 impl Cli {
-    fn run(self) -> Result<()> {
+    fn run(self) -> Result<Status> {
         let progress = Progress::new(self.quiet);
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads.map_or(0, usize::from))
             .stack_size(STACK_BYTES)
             .build()
             .context("threads cannot be started")?;
-        pool.install(|| match self.verb {
-            Verb::Metadata(args) => args.run(),
-            Verb::Scenes(args) => args.run(&progress),
-            Verb::Render(args) => args.run(&progress),
-            Verb::Walk(args) => args.run(&progress),
-            Verb::Trace(args) => args.run(&progress),
-            Verb::Reproduce(args) => args.run(&progress),
+        pool.install(|| {
+            match self.verb {
+                Verb::Metadata(args) => args.run(),
+                Verb::Scenes(args) => args.run(&progress),
+                Verb::Render(args) => args.run(&progress),
+                Verb::Walk(args) => args.run(&progress),
+                Verb::Trace(args) => args.run(&progress),
+                Verb::Prove(args) => return args.run(&progress),
+                Verb::Reproduce(args) => args.run(&progress),
+            }
+            .map(|()| Status::Holds)
         })
     }
 }

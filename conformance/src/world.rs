@@ -1,6 +1,7 @@
 //! A scene made ready for the chip: loaded or generated, its kd-tree built, laid out in host
 //! memory.
 
+use crate::names::nearest;
 use crate::progress::Progress;
 use anyhow::{Context, Result, bail};
 use saarcor_model::image::HostImage;
@@ -146,26 +147,10 @@ fn looks_like_a_path(name: &str) -> bool {
 
 /// Says what could have been meant by a name that is no scene's.
 fn suggestion(name: &str) -> String {
-    let nearest = builtin::TABLE_1.iter().min_by_key(|known| edit_distance(name, known));
-    let nearest = nearest.filter(|known| edit_distance(name, known) <= known.len() / 2);
-    match nearest {
+    match nearest(name, builtin::TABLE_1) {
         Some(known) => {
             format!("did you mean '{known}'? ('saarcor scenes' lists all; a file is named with its .obj)")
         }
         None => "'saarcor scenes' lists the built-in ones; a file is named with its .obj".to_owned(),
     }
-}
-
-/// Insertions, deletions and replacements of a letter that turn `a` into `b` (Levenshtein 1966).
-fn edit_distance(a: &str, b: &str) -> usize {
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.bytes().enumerate() {
-        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
-        for (j, y) in b.bytes().enumerate() {
-            let replaced = diagonal + usize::from(x != y);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
 }

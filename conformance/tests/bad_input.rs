@@ -60,6 +60,9 @@ fn usage() {
     refuses(&["walk", &room_arg(), "--resolution", "640"], &["640", "1024x768"]);
     refuses(&["walk", &room_arg(), "--threads", "0"], &["--threads"]);
     refuses(&["walk", &room_arg(), "--lights", "2"], &["--lights 2", "1"]);
+    refuses(&["prove", "hit_iff_residen"], &["hit_iff_residen", "hit_iff_resident", "--list"]);
+    refuses(&["prove", "--engine", "z3"], &["z3", "kani, exhaustive, random, all"]);
+    refuses(&["prove", "--cases", "0"], &["--cases"]);
 }
 
 #[test]

@@ -154,7 +154,8 @@ impl HostImage {
         out.pad_to(lists);
         for &triangle in &tree.refs {
             let addr = triangles + places[triangle as usize] * TRIANGLE_BYTES;
-            out.u32(addr | kernel.list_tag(&scene.triangles[triangle as usize].corners));
+            let tag = kernel.list_tag(&scene.triangles[triangle as usize].corners);
+            out.bytes.extend_from_slice(&ListEntry { triangle: HostAddr(addr), tag }.encode());
         }
         out.pad_to(triangles);
         for &id in &triangle_ids {
@@ -291,6 +292,42 @@ impl NodeRecord {
             2 => Self::Inner { axis: Axis::Z, split, below: addr },
             _ => Self::Leaf { list: addr, count: first },
         }
+    }
+
+    /// The bytes that [`NodeRecord::decode`] reads. Addresses are multiples of 4.
+    #[must_use]
+    pub fn encode(self) -> [u8; NODE_BYTES as usize] {
+        let (first, addr, tag) = match self {
+            Self::Inner { axis, split, below } => (split.to_bits(), below.0, axis as u32),
+            Self::Leaf { list, count } => (count, list.0, 3),
+        };
+        let ([a, b, c, d], [e, f, g, h]) = (first.to_le_bytes(), (addr | tag).to_le_bytes());
+        [a, b, c, d, e, f, g, h]
+    }
+}
+
+/// An entry of a leaf's list as the chip reads it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ListEntry {
+    /// Address of the triangle, a multiple of 4.
+    pub triangle: HostAddr,
+    /// What the triangle test needs beside the triangle's bytes: [`Kernel::list_tag`], 2 bits.
+    pub tag: u32,
+}
+
+impl ListEntry {
+    /// Reads an entry: an address whose two lowest bits are the tag (HI-3, Assumed).
+    #[inline]
+    #[must_use]
+    pub fn decode(bytes: [u8; LIST_ENTRY_BYTES as usize]) -> Self {
+        let entry = u32::from_le_bytes(bytes);
+        Self { triangle: HostAddr(entry & !3), tag: entry & 3 }
+    }
+
+    /// The bytes that [`ListEntry::decode`] reads.
+    #[must_use]
+    pub fn encode(self) -> [u8; LIST_ENTRY_BYTES as usize] {
+        (self.triangle.0 | self.tag).to_le_bytes()
     }
 }
 
@@ -467,16 +504,15 @@ impl Writer {
     }
 
     fn node(&mut self, node: &Node, nodes: HostAddr, lists: HostAddr) {
-        match *node {
+        let record = match *node {
             Node::Inner { axis, split, children } => {
-                self.f32(split);
-                self.u32(nodes.offset(children * NODE_BYTES).0 | axis as u32);
+                NodeRecord::Inner { axis, split, below: nodes.offset(children * NODE_BYTES) }
             }
             Node::Leaf { first, count } => {
-                self.u32(count);
-                self.u32(lists.offset(first * LIST_ENTRY_BYTES).0 | 3);
+                NodeRecord::Leaf { list: lists.offset(first * LIST_ENTRY_BYTES), count }
             }
-        }
+        };
+        self.bytes.extend_from_slice(&record.encode());
     }
 
     fn image(&mut self, image: Option<u32>, images: &[Image], addr: &[HostAddr]) {

@@ -164,49 +164,67 @@ impl KdTree {
         if !min.is_finite() || !max.is_finite() || !min.cmple(max).all() {
             return Err(KdTreeError::Bounds(self.bounds));
         }
-        if self.nodes.is_empty() {
-            return Err(KdTreeError::NoNodes);
-        }
-        // Depth of each node, 0 where no parent was met yet. Parents come before their children,
-        // so one pass meets every node after its parent, and no cycle can be closed.
-        let mut depth = vec![0_u8; self.nodes.len()];
-        depth[0] = 1;
-        for (node, &record) in (0_u32..).zip(&self.nodes) {
-            let here = depth[node as usize];
-            if here == 0 {
-                return Err(KdTreeError::Parents { node });
-            }
-            match record {
-                Node::Inner { split, children, .. } => {
-                    if !split.is_finite() {
-                        return Err(KdTreeError::Split { node });
-                    }
-                    if usize::from(here) > MAX_DEPTH {
-                        return Err(KdTreeError::Depth { node });
-                    }
-                    let first = children as usize;
-                    if children <= node || first + 1 >= self.nodes.len() {
-                        return Err(KdTreeError::Children { node, children });
-                    }
-                    for child in [first, first + 1] {
-                        if depth[child] != 0 {
-                            return Err(KdTreeError::Parents { node: child as u32 });
-                        }
-                        depth[child] = here + 1;
-                    }
-                }
-                Node::Leaf { first, count } => {
-                    if u64::from(first) + u64::from(count) > self.refs.len() as u64 {
-                        return Err(KdTreeError::List { node });
-                    }
-                }
-            }
-        }
+        check_nodes(&self.nodes, self.refs.len(), MAX_DEPTH, &mut vec![0; self.nodes.len()])?;
         match self.refs.iter().position(|&triangle| triangle as usize >= triangles) {
             Some(place) => Err(KdTreeError::Triangle { place: place as u32, triangle: self.refs[place] }),
             None => Ok(()),
         }
     }
+}
+
+/// Whether `nodes` are a tree, the root first, over lists of `refs` entries together, with at most
+/// `deepest` inner nodes on a path (KD-2). `levels` is room for one number a node, all 0.
+///
+/// # Errors
+/// The first fault found.
+///
+/// # Panics
+/// If `levels` is shorter than `nodes`, or `deepest` is more than 254.
+pub fn check_nodes(
+    nodes: &[Node],
+    refs: usize,
+    deepest: usize,
+    levels: &mut [u8],
+) -> Result<(), KdTreeError> {
+    if nodes.is_empty() {
+        return Err(KdTreeError::NoNodes);
+    }
+    // The level of each node, from 1 at the root on; 0 where no parent was met yet. Parents come
+    // before their children, so one pass meets every node after its parent, and no cycle can be
+    // closed.
+    levels[0] = 1;
+    for (node, &record) in (0_u32..).zip(nodes) {
+        let level = levels[node as usize];
+        if level == 0 {
+            return Err(KdTreeError::Parents { node });
+        }
+        match record {
+            Node::Inner { split, children, .. } => {
+                if !split.is_finite() {
+                    return Err(KdTreeError::Split { node });
+                }
+                if usize::from(level) > deepest {
+                    return Err(KdTreeError::Depth { node });
+                }
+                let first = children as usize;
+                if children <= node || first >= nodes.len() - 1 {
+                    return Err(KdTreeError::Children { node, children });
+                }
+                for child in [first, first + 1] {
+                    if levels[child] != 0 {
+                        return Err(KdTreeError::Parents { node: child as u32 });
+                    }
+                    levels[child] = level + 1;
+                }
+            }
+            Node::Leaf { first, count } => {
+                if u64::from(first) + u64::from(count) > refs as u64 {
+                    return Err(KdTreeError::List { node });
+                }
+            }
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -247,6 +265,27 @@ mod tests {
             assert_eq!(tree.check(2), Err(fault), "{tree:?}");
         }
         assert_eq!(tree(vec![LEAF]).check(1), Err(KdTreeError::Triangle { place: 1, triangle: 1 }));
+    }
+
+    #[test]
+    fn rejects_boxes_that_are_none() {
+        let in_box = |min, max| KdTree { bounds: Aabb { min, max }, ..tree(vec![LEAF]) };
+        assert_eq!(in_box(Vec3::ZERO, Vec3::ZERO).check(2), Ok(()));
+        let (low, high) = (Vec3::new(0.0, f32::NEG_INFINITY, 0.0), Vec3::new(1.0, 1.0, f32::INFINITY));
+        for (min, max) in
+            [(low, Vec3::ONE), (Vec3::ZERO, high), (Vec3::Y, Vec3::ONE - Vec3::Y), (Vec3::NAN, Vec3::ONE)]
+        {
+            assert!(matches!(in_box(min, max).check(2), Err(KdTreeError::Bounds(_))), "{min} {max}");
+        }
+    }
+
+    #[test]
+    fn faults_are_named() {
+        let fault = tree(vec![inner(1), LEAF]).check(2).expect_err("no second child");
+        assert_eq!(
+            fault.to_string(),
+            "kd-node 0: children at 1: they must follow their parent inside the tree"
+        );
     }
 
     #[test]

@@ -75,9 +75,13 @@ impl<const WAYS: usize, const BYTES: usize> L1<WAYS, BYTES> {
 
     /// Forgets every line that `len` bytes at `addr` meet.
     pub fn invalidate(&mut self, addr: HostAddr, len: u64) {
-        let end = (u64::from(addr.0)).saturating_add(len).saturating_sub(u64::from(self.base.0));
-        let first = u64::from(addr.0).saturating_sub(u64::from(self.base.0)) / BYTES as u64;
-        let lines = first..end.div_ceil(BYTES as u64);
+        if len == 0 {
+            return;
+        }
+        let place = |addr: u64| addr.saturating_sub(u64::from(self.base.0));
+        let first = place(u64::from(addr.0)) / BYTES as u64;
+        let end = place(u64::from(addr.0).saturating_add(len)).div_ceil(BYTES as u64);
+        let lines = first..end;
         for set in &mut self.sets {
             for way in 0..WAYS {
                 let line = set.set.lines[way];

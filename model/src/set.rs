@@ -172,7 +172,7 @@ impl<const WAYS: usize> Set<WAYS> {
             Policy::Lru | Policy::Fifo => Way(self.order[WAYS - 1]),
             Policy::Plru => {
                 let mut node = 1;
-                while node < WAYS {
+                for _ in 0..WAYS.ilog2() {
                     node = 2 * node + usize::from(self.order[node]);
                 }
                 Way((node - WAYS) as u8)
@@ -197,7 +197,7 @@ impl<const WAYS: usize> Set<WAYS> {
             }
             Policy::Plru => {
                 let mut node = WAYS + usize::from(way.0);
-                while node > 1 {
+                for _ in 0..WAYS.ilog2() {
                     self.order[node / 2] = u8::from(node & 1 == 0);
                     node /= 2;
                 }

@@ -5,7 +5,7 @@
 //! `t = (plane - origin) · (1 / direction)` takes three roundings, so that the true distance lies
 //! within `t · (1 ± γ(3))`, γ(n) = n·u / (1 - n·u), u = 2⁻²⁴ (Higham 2002, §3.1; after Ize 2013).
 
-use crate::image::{LIST_ENTRY_BYTES, NODE_BYTES, NodeRecord, Registers, TRIANGLE_BYTES};
+use crate::image::{LIST_ENTRY_BYTES, ListEntry, NODE_BYTES, NodeRecord, Registers};
 use crate::intersection::Prepared;
 use crate::kdtree::{Axis, MAX_DEPTH};
 use crate::memory::{Memory, Port};
@@ -27,9 +27,13 @@ pub struct Intervals<const N: usize> {
 }
 
 impl<const N: usize> Intervals<N> {
+    /// No ray meets the cell.
+    const EMPTY: Self = Self { enter: [f32::INFINITY; N], leave: [f32::NEG_INFINITY; N] };
+
     /// Whether any ray meets the cell.
     #[inline]
-    fn any(&self) -> bool {
+    #[must_use]
+    pub fn any(&self) -> bool {
         let mut any = false;
         for lane in 0..N {
             any |= self.enter[lane] <= self.leave[lane];
@@ -37,44 +41,54 @@ impl<const N: usize> Intervals<N> {
         any
     }
 
-    /// Cuts off what lies behind the hits found so far.
+    /// The first ray that meets the cell.
     #[inline]
-    fn clip(&mut self, hits: &Hits<N>) {
-        for lane in 0..N {
-            self.leave[lane] = min(hits.t[lane], self.leave[lane]);
+    #[must_use]
+    pub fn first(&self) -> Option<usize> {
+        (0..N).find(|&lane| self.enter[lane] <= self.leave[lane])
+    }
+
+    /// Cuts off what lies behind the hits found so far, at the distances `t`.
+    #[inline]
+    pub fn clip(&mut self, t: &[f32; N]) {
+        for (leave, &t) in self.leave.iter_mut().zip(t) {
+            *leave = min(t, *leave);
         }
     }
 }
 
-/// The lesser; the second where the first is NaN. One instruction.
+/// The lesser; the second where neither is, as with NaN. One instruction.
 #[inline(always)]
-fn min(a: f32, b: f32) -> f32 {
+#[must_use]
+pub fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// The greater; the second where the first is NaN. One instruction.
+/// The greater; the second where neither is, as with NaN. One instruction.
 #[inline(always)]
-fn max(a: f32, b: f32) -> f32 {
+#[must_use]
+pub fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// Least and greatest distance at which a plane may be met, from the distance computed.
+/// Least and greatest distance at which a plane may be met, from the distance computed (KD-3,
+/// Derived). Both are NaN where that is, and infinite where that is.
 #[inline(always)]
-fn widen(t: f32) -> (f32, f32) {
+#[must_use]
+pub fn widen(t: f32) -> (f32, f32) {
     let (a, b) = (t * (1.0 - WIDENING), t * (1.0 + WIDENING));
     (min(a, b), max(a, b))
 }
 
-/// The interval of one ray in the two children of a node (KD-3): below and above the plane at
-/// distance `t` on a ray that comes from above where `downwards`.
+/// The interval of one ray in the two children of a node (KD-3): below and above the plane that it
+/// meets between the distances `least` and `greatest`. It comes from above where `downwards`.
 ///
 /// By comparisons alone. NaN, the distance of a plane in which the ray lies, leaves the whole
 /// interval to both children; an infinite distance, that of a plane to which the ray is parallel,
 /// leaves it to the side on which the ray is.
 #[inline(always)]
 #[must_use]
-pub fn visit(enter: f32, leave: f32, t: f32, downwards: bool) -> [(f32, f32); 2] {
-    let (least, greatest) = widen(t);
+pub fn visit(enter: f32, leave: f32, (least, greatest): (f32, f32), downwards: bool) -> [(f32, f32); 2] {
     let near = (enter, min(greatest, leave));
     let far = (max(least, enter), leave);
     let (below, above) = if downwards { (far, near) } else { (near, far) };
@@ -84,15 +98,111 @@ pub fn visit(enter: f32, leave: f32, t: f32, downwards: bool) -> [(f32, f32); 2]
 /// 1 / direction of each ray, for each axis.
 type Reciprocals<const N: usize> = [[f32; N]; 3];
 
-/// Whether a ray goes towards lower coordinates; −0.0, whose reciprocal is −∞, does.
+/// Whether a ray goes towards lower coordinates, by the reciprocal of its direction; −0.0, whose
+/// reciprocal is −∞, does.
 #[inline(always)]
-fn is_downwards(reciprocal: f32) -> bool {
+#[must_use]
+pub fn is_downwards(reciprocal: f32) -> bool {
     reciprocal < 0.0
 }
 
-/// A child put off.
+/// Which children of a node a packet visits, and which of two it visits first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Children {
+    /// The child below the plane alone.
+    Below,
+    /// The child above the plane alone.
+    Above,
+    /// Both, the one below first.
+    BelowFirst,
+    /// Both, the one above first.
+    AboveFirst,
+}
+
+impl Children {
+    /// The children that any ray meets. Of two, the first is the one that a ray meets first which
+    /// goes `downwards` or not (KD-4), which is asked for only then.
+    ///
+    /// Where none is met, it is the one above: widened intervals overlap, so that a packet that
+    /// meets a cell meets at least one child.
+    #[inline(always)]
+    #[must_use]
+    pub fn met(below: bool, above: bool, downwards: impl FnOnce() -> bool) -> Self {
+        match (below, above) {
+            (true, true) if downwards() => Self::AboveFirst,
+            (true, true) => Self::BelowFirst,
+            (true, false) => Self::Below,
+            (false, _) => Self::Above,
+        }
+    }
+}
+
+/// The stack of the traversal unit: children to visit later, at most `DEPTH` of them.
+///
+/// A walk is at one node. At an inner node it steps down by [`Stack::descend`], after a leaf it
+/// goes on by [`Stack::resume`]: so it visits each leaf that it is led to once, near before far.
+/// An inner node puts off one child at most, so that a walk of a tree with up to `DEPTH` inner
+/// nodes on a path needs no more room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stack<T, const DEPTH: usize> {
+    /// The children put off, the last one last; what is behind the first `len` means nothing.
+    pub put_off: [T; DEPTH],
+    /// Number of children put off.
+    pub len: usize,
+}
+
+impl<T: Copy, const DEPTH: usize> Stack<T, DEPTH> {
+    /// Nothing is put off; `unused` fills the room.
+    #[must_use]
+    pub fn new(unused: T) -> Self {
+        Self { put_off: [unused; DEPTH], len: 0 }
+    }
+
+    /// A walk begins at `root`, to which [`Stack::resume`] leads first.
+    #[inline]
+    pub fn begin(&mut self, root: T) {
+        self.len = 0;
+        self.put_off(root);
+    }
+
+    /// One step at an inner node with the children `below` and `above`: puts one off if both are
+    /// visited, and returns whether the one above is next.
+    ///
+    /// # Panics
+    /// If more than `DEPTH` children are put off: no walk of a valid tree does (KD-2).
+    #[inline(always)]
+    pub fn descend(&mut self, visited: Children, below: T, above: T) -> bool {
+        match visited {
+            Children::Below => false,
+            Children::Above => true,
+            Children::BelowFirst => {
+                self.put_off(above);
+                false
+            }
+            Children::AboveFirst => {
+                self.put_off(below);
+                true
+            }
+        }
+    }
+
+    #[inline]
+    fn put_off(&mut self, child: T) {
+        self.put_off[self.len] = child;
+        self.len += 1;
+    }
+
+    /// Where to go on after a leaf: to the child put off last. None at the end of the walk.
+    #[inline]
+    pub fn resume(&mut self) -> Option<T> {
+        self.len = self.len.checked_sub(1)?;
+        Some(self.put_off[self.len])
+    }
+}
+
+/// A node to visit, and the parts of the rays in its cell.
 #[derive(Clone, Copy, Debug)]
-struct Entry<const N: usize> {
+struct Visit<const N: usize> {
     node: HostAddr,
     intervals: Intervals<N>,
 }
@@ -100,12 +210,12 @@ struct Entry<const N: usize> {
 /// The traversal unit for packets of `N` rays, with its stack.
 #[derive(Clone, Debug)]
 pub struct Traversal<const N: usize> {
-    stack: Vec<Entry<N>>,
+    stack: Stack<Visit<N>, MAX_DEPTH>,
 }
 
 impl<const N: usize> Default for Traversal<N> {
     fn default() -> Self {
-        Self { stack: Vec::with_capacity(MAX_DEPTH) }
+        Self { stack: Stack::new(Visit { node: HostAddr(0), intervals: Intervals::EMPTY }) }
     }
 }
 
@@ -115,6 +225,9 @@ impl<const N: usize> Traversal<N> {
     /// Each node is read once for all rays that meet its cell. Of two children, the packet goes
     /// first to the one that its first ray there meets first (Assumed); the result does not
     /// depend on it.
+    ///
+    /// # Panics
+    /// If the tree in memory is deeper than [`MAX_DEPTH`]: no valid one is (KD-2).
     pub fn run(
         &mut self,
         memory: &mut impl Memory,
@@ -124,88 +237,65 @@ impl<const N: usize> Traversal<N> {
     ) -> Hits<N> {
         let mut hits = Hits::none(packet);
         let reciprocal = packet.direction.map(|row| row.map(|d| 1.0 / d));
-        self.stack.clear();
-        self.stack
-            .push(Entry { node: registers.root, intervals: clip_to_bounds(registers, packet, &reciprocal) });
-        while let Some(Entry { mut node, mut intervals }) = self.stack.pop() {
-            intervals.clip(&hits);
-            if !intervals.any() {
+        let intervals = clip_to_bounds(registers, packet, &reciprocal);
+        self.stack.begin(Visit { node: registers.root, intervals });
+        while let Some(mut at) = self.stack.resume() {
+            at.intervals.clip(&hits.t);
+            if !at.intervals.any() {
                 continue;
             }
-            loop {
-                match NodeRecord::decode(memory.fetch(Port::Node, node)) {
+            let (list, count) = loop {
+                match NodeRecord::decode(memory.fetch(Port::Node, at.node)) {
                     NodeRecord::Inner { axis, split, below } => {
-                        node = self.descend(packet, &reciprocal, &mut intervals, axis, split, below);
+                        self.descend(packet, &reciprocal, &mut at, axis, split, below);
                     }
-                    NodeRecord::Leaf { list, count } => {
-                        for entry in 0..count {
-                            let entry = memory.fetch(Port::List, list.offset(entry * LIST_ENTRY_BYTES));
-                            let entry = u32::from_le_bytes(entry);
-                            let (addr, tag) = (entry & !3, entry & 3);
-                            let bytes: [u8; TRIANGLE_BYTES as usize] =
-                                memory.fetch(Port::Triangle, HostAddr(addr));
-                            Prepared::decode(registers.kernel, tag, bytes).intersect_packet(
-                                addr,
-                                packet,
-                                (&intervals.enter, &intervals.leave),
-                                query,
-                                &mut hits,
-                            );
-                        }
-                        break;
-                    }
+                    NodeRecord::Leaf { list, count } => break (list, count),
                 }
+            };
+            for entry in 0..count {
+                let entry = memory.fetch(Port::List, list.offset(entry * LIST_ENTRY_BYTES));
+                let ListEntry { triangle, tag } = ListEntry::decode(entry);
+                Prepared::decode(registers.kernel, tag, memory.fetch(Port::Triangle, triangle))
+                    .intersect_packet(
+                        triangle.0,
+                        packet,
+                        (&at.intervals.enter, &at.intervals.leave),
+                        query,
+                        &mut hits,
+                    );
             }
         }
         hits
     }
 
-    /// One step at an inner node: narrows `intervals` to the child that is next and returns its
-    /// address; puts the other on the stack if any ray meets it.
+    /// One step at an inner node: goes `at` the child that is next, and puts the other off if any
+    /// ray meets it.
     #[inline]
     fn descend(
         &mut self,
         packet: &Packet<N>,
         reciprocal: &Reciprocals<N>,
-        intervals: &mut Intervals<N>,
+        at: &mut Visit<N>,
         axis: Axis,
         split: f32,
         below: HostAddr,
-    ) -> HostAddr {
+    ) {
         let axis = axis as usize;
         let (origin, reciprocal) = (&packet.origin[axis], &reciprocal[axis]);
-        let mut low = *intervals;
-        let mut high = *intervals;
+        let cell = &at.intervals;
+        let mut low = Visit { node: below, intervals: *cell };
+        let mut high = Visit { node: below.offset(NODE_BYTES), intervals: *cell };
         for lane in 0..N {
-            let t = (split - origin[lane]) * reciprocal[lane];
+            let t = widen((split - origin[lane]) * reciprocal[lane]);
             let [in_low, in_high] =
-                visit(intervals.enter[lane], intervals.leave[lane], t, is_downwards(reciprocal[lane]));
-            (low.enter[lane], low.leave[lane]) = in_low;
-            (high.enter[lane], high.leave[lane]) = in_high;
+                visit(cell.enter[lane], cell.leave[lane], t, is_downwards(reciprocal[lane]));
+            (low.intervals.enter[lane], low.intervals.leave[lane]) = in_low;
+            (high.intervals.enter[lane], high.intervals.leave[lane]) = in_high;
         }
-        let above = below.offset(NODE_BYTES);
-        match (low.any(), high.any()) {
-            (true, true) => {
-                let first = (0..N).find(|&lane| intervals.enter[lane] <= intervals.leave[lane]).unwrap_or(0);
-                let (near, far) = if is_downwards(reciprocal[first]) {
-                    ((above, high), (below, low))
-                } else {
-                    ((below, low), (above, high))
-                };
-                self.stack.push(Entry { node: far.0, intervals: far.1 });
-                *intervals = near.1;
-                near.0
-            }
-            (true, false) => {
-                *intervals = low;
-                below
-            }
-            // Widened intervals overlap, so that a ray meets at least one child.
-            (false, _) => {
-                *intervals = high;
-                above
-            }
-        }
+        let visited = Children::met(low.intervals.any(), high.intervals.any(), || {
+            cell.first().is_some_and(|lane| is_downwards(reciprocal[lane]))
+        });
+        *at = if self.stack.descend(visited, low, high) { high } else { low };
     }
 }
 
@@ -239,13 +329,13 @@ mod tests {
 
     #[test]
     fn planes_split_the_interval() {
-        let [below, above] = visit(1.0, 5.0, 3.0, false);
+        let [below, above] = visit(1.0, 5.0, widen(3.0), false);
         assert!(below.0 == 1.0 && below.1 >= 3.0 && above.0 <= 3.0 && above.1 == 5.0);
         assert!(below.1 - above.0 < 1e-5);
-        assert_eq!(visit(1.0, 5.0, 3.0, true), [above, below]);
-        let [below, above] = visit(1.0, 5.0, 7.0, false);
+        assert_eq!(visit(1.0, 5.0, widen(3.0), true), [above, below]);
+        let [below, above] = visit(1.0, 5.0, widen(7.0), false);
         assert!(!is_empty(below) && is_empty(above));
-        let [below, above] = visit(1.0, 5.0, -7.0, false);
+        let [below, above] = visit(1.0, 5.0, widen(-7.0), false);
         assert!(is_empty(below) && !is_empty(above));
     }
 
@@ -253,21 +343,31 @@ mod tests {
     fn parallel_rays_stay_on_their_side() {
         // (split - origin) / 0, from below and from above the plane.
         for (zero, downwards) in [(0.0_f32, false), (-0.0, true)] {
-            let [below, above] = visit(0.0, 9.0, 1.0 / zero, downwards);
+            let [below, above] = visit(0.0, 9.0, widen(1.0 / zero), downwards);
             assert!((!is_empty(below), is_empty(above)) == (true, true));
-            let [below, above] = visit(0.0, 9.0, -1.0 / zero, downwards);
+            let [below, above] = visit(0.0, 9.0, widen(-1.0 / zero), downwards);
             assert!((is_empty(below), !is_empty(above)) == (true, true));
         }
     }
 
     #[test]
     fn rays_in_the_plane_go_to_both_sides() {
-        assert_eq!(visit(0.0, 9.0, f32::NAN, false), [(0.0, 9.0); 2]);
-        assert_eq!(visit(0.0, 9.0, f32::NAN, true), [(0.0, 9.0); 2]);
+        assert_eq!(visit(0.0, 9.0, widen(f32::NAN), false), [(0.0, 9.0); 2]);
+        assert_eq!(visit(0.0, 9.0, widen(f32::NAN), true), [(0.0, 9.0); 2]);
+    }
+
+    #[test]
+    fn planes_are_widened_by_their_rounding_error() {
+        let unit = 2.0_f64.powi(-24);
+        let gamma = 3.0 * unit / (1.0 - 3.0 * unit);
+        assert_eq!(WIDENING, (2.0 * gamma) as f32);
+        assert_eq!(widen(2.0), (2.0 * (1.0 - WIDENING), 2.0 * (1.0 + WIDENING)));
+        assert_eq!(widen(-2.0), (-2.0 * (1.0 + WIDENING), -2.0 * (1.0 - WIDENING)));
     }
 
     #[test]
     fn minus_zero_is_downwards() {
         assert!(is_downwards(1.0 / -0.0) && !is_downwards(1.0 / 0.0));
+        assert!(!is_downwards(1.0 / f32::INFINITY));
     }
 }

@@ -30,8 +30,8 @@ pub static WORDS: [u32; 34] = {
 };
 
 /// Addresses around the powers of two, and at both ends: where fields of an address begin and end.
-pub static EDGES: [u32; 96] = {
-    let mut edges = [0; 96];
+pub static EDGES: [u32; 97] = {
+    let mut edges = [u32::MAX; 97];
     let mut bit = 0;
     while bit < 32 {
         edges[3 * bit] = (1_u32 << bit) - 1;
@@ -105,3 +105,58 @@ pub fn addr(s: &mut impl Source, small: &'static [u32]) -> HostAddr {
 pub fn line(s: &mut impl Source, small: &'static [u32]) -> LineAddr {
     LineAddr(s.value("line", 0..=u32::MAX, small))
 }
+
+/// Any legal set of `WAYS` ways, of any policy.
+///
+/// Small scope: way `w` holds line `w`, and a free way still holds one of `0 ..= WAYS`.
+pub fn set<S: Source, const WAYS: usize>(s: &mut S) -> Result<(Policy, Set<WAYS>), Stop> {
+    let policy = policy(s);
+    Ok((policy, set_of::<S, WAYS>(s, policy)?))
+}
+
+/// Any legal set of that policy.
+pub fn set_of<S: Source, const WAYS: usize>(s: &mut S, policy: Policy) -> Result<Set<WAYS>, Stop> {
+    let mut set = Set::empty(policy);
+    // At random, wide sets would hardly ever be full.
+    let full = flag(s, "full");
+    for way in 0..WAYS {
+        set.resident[way] = full || flag(s, "resident");
+        let small = if set.resident[way] { &WORDS[way..=way] } else { &WORDS[..=WAYS] };
+        set.lines[way] = LineAddr(s.value("line of a way", 0..=u32::MAX, small));
+        if policy == Policy::Plru {
+            set.order[way] = if way == 0 { 0 } else { s.value("bit of the tree", 0..=1, &BYTES[..2]) };
+        }
+    }
+    if policy != Policy::Plru {
+        // Every permutation, by exchanging each place with a later one.
+        for place in 0..WAYS {
+            let with =
+                place as u8 + s.value("exchange", 0..=(WAYS - 1 - place) as u8, &BYTES[..WAYS - place]);
+            for later in place..WAYS {
+                let (here, there) = (set.order[place], set.order[later]);
+                if later as u8 == with {
+                    (set.order[place], set.order[later]) = (there, here);
+                }
+            }
+        }
+    }
+    assume!(set.is_valid(policy));
+    Ok(set)
+}
+
+/// Any line. Small scope: those that [`set_of`] puts into a set of `WAYS` ways, and one more.
+pub fn line_of_set<const WAYS: usize>(s: &mut impl Source) -> LineAddr {
+    line(s, &WORDS[..=WAYS])
+}
+
+/// Judges a body for sets of 1, 2 and 4 ways.
+macro_rules! any_ways {
+    ($source:expr, $module:ident::$body:ident) => {
+        match $source.value("log2 ways", 0..=2, &$crate::draw::BYTES[..3]) {
+            0 => $module::$body::<S, 1>($source)?,
+            1 => $module::$body::<S, 2>($source)?,
+            _ => $module::$body::<S, 4>($source)?,
+        }
+    };
+}
+pub(crate) use any_ways;

@@ -1,6 +1,6 @@
 //! The engines that run everywhere: every value of a small scope, and values at random.
 
-use crate::source::{Holds, Source, Stop, Theorem, Value};
+use crate::source::{Holds, Label, Source, Stop, Theorem, Value};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, TestRng, TestRunner};
 use std::cell::RefCell;
@@ -48,23 +48,20 @@ impl Notes {
     }
 }
 
-impl Theorem {
-    fn report(
-        &self,
-        scope: String,
-        [cases, vacuous]: [u64; 2],
-        notes: &Notes,
-        failed: Option<String>,
-    ) -> Report {
-        let covers: Vec<_> =
-            self.covers.iter().map(|label| notes.covers.get(label).copied().unwrap_or(0)).collect();
-        let unreached = self.covers.iter().zip(&covers).find(|(_, count)| **count == 0);
-        let undeclared = notes.covers.keys().find(|label| !self.covers.contains(label));
-        let counterexample = failed
-            .or_else(|| unreached.map(|(label, _)| format!("never reached: {label}")))
-            .or_else(|| undeclared.map(|label| format!("reached, but not declared: {label}")));
-        Report { holds: counterexample.is_none(), scope, cases, vacuous, covers, counterexample }
-    }
+fn report(
+    labels: &[&'static str],
+    scope: String,
+    [cases, vacuous]: [u64; 2],
+    notes: &Notes,
+    failed: Option<String>,
+) -> Report {
+    let covers: Vec<_> = labels.iter().map(|label| notes.covers.get(label).copied().unwrap_or(0)).collect();
+    let unreached = labels.iter().zip(&covers).find(|(_, count)| **count == 0);
+    let undeclared = notes.covers.keys().find(|label| !labels.contains(label));
+    let counterexample = failed
+        .or_else(|| unreached.map(|(label, _)| format!("never reached: {label}")))
+        .or_else(|| undeclared.map(|label| format!("reached, but not declared: {label}")));
+    Report { holds: counterexample.is_none(), scope, cases, vacuous, covers, counterexample }
 }
 
 /// The exhaustive engine: an odometer whose digits are the values drawn, in their order.
@@ -102,8 +99,8 @@ impl Source for Exhaustive {
         value
     }
 
-    fn cover(&mut self, label: &'static str, reached: bool) {
-        self.notes.cover(label, reached);
+    fn cover(&mut self, label: Label, reached: bool) {
+        self.notes.cover(label.text, reached);
     }
 }
 
@@ -130,7 +127,7 @@ impl Exhaustive {
                 break None;
             }
         };
-        theorem.report(engine.scope(), [cases, vacuous], &engine.notes, failed)
+        report(theorem.covers, engine.scope(), [cases, vacuous], &engine.notes, failed)
     }
 
     /// The next case; false after the last.
@@ -188,20 +185,21 @@ impl Source for Random {
     fn value<T: Value>(&mut self, name: &'static str, full: RangeInclusive<T>, small: &'static [T]) -> T {
         let word = self.tape.get(self.drawn).copied().unwrap_or(0);
         self.drawn += 1;
-        // Small values meet each other more often than values of the whole range do, and a word
-        // of 0, to which proptest shrinks, is the first of them.
-        let (kind, word) = (word % 4, word / 4);
+        // Small values meet each other more often than values of the whole range do. The rest of
+        // the word is taken for a fraction of the range, so that the value shrinks as the word does.
+        let (kind, fraction) = (word >> 62, word << 2);
+        let of = |span: u128| ((u128::from(fraction) * span) >> 64) as u64;
         let [low, high]: [u64; 2] = [*full.start(), *full.end()].map(Into::into);
         let value = match kind {
-            0..3 => small[(word % small.len() as u64) as usize],
-            _ => T::above(*full.start(), (high - low).checked_add(1).map_or(word, |span| word % span)),
+            0..3 => small[of(small.len() as u128) as usize],
+            _ => T::above(*full.start(), of(u128::from(high - low) + 1)),
         };
         self.notes.tell(name, value);
         value
     }
 
-    fn cover(&mut self, label: &'static str, reached: bool) {
-        self.notes.cover(label, reached);
+    fn cover(&mut self, label: Label, reached: bool) {
+        self.notes.cover(label.text, reached);
     }
 }
 
@@ -210,6 +208,12 @@ impl Random {
     /// first that fails.
     #[must_use]
     pub fn judge(theorem: &Theorem, cases: u32) -> Report {
+        Self::judge_body(theorem.covers, theorem.random, cases)
+    }
+
+    /// The same for a body that has these covers.
+    #[must_use]
+    pub fn judge_body(covers: &[&'static str], body: fn(&mut Self) -> Holds, cases: u32) -> Report {
         let config =
             Config { cases, failure_persistence: None, max_shrink_iters: 100_000, ..Config::default() };
         let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
@@ -217,7 +221,7 @@ impl Random {
         let result = TestRunner::new_with_rng(config, rng).run(&tapes(), |tape| {
             let (engine, [cases, vacuous]) = &mut *engine.borrow_mut();
             *cases += 1;
-            match engine.play(theorem, tape) {
+            match engine.play(body, tape) {
                 Ok(()) => Ok(()),
                 Err(Stop::Vacuous) => {
                     *vacuous += 1;
@@ -231,7 +235,7 @@ impl Random {
             Ok(()) => None,
             Err(TestError::Fail(_, tape)) => {
                 engine.notes.told = Some(String::new());
-                let claim = match engine.play(theorem, tape) {
+                let claim = match engine.play(body, tape) {
                     Err(Stop::Disproved(claim)) => claim,
                     _ => "does not fail again".to_owned(),
                 };
@@ -239,12 +243,12 @@ impl Random {
             }
             Err(TestError::Abort(reason)) => Some(reason.message().to_owned()),
         };
-        theorem.report("all values, at random".to_owned(), counts, &engine.notes, failed)
+        report(covers, "all values, at random".to_owned(), counts, &engine.notes, failed)
     }
 
-    fn play(&mut self, theorem: &Theorem, tape: Vec<u64>) -> Holds {
+    fn play(&mut self, body: fn(&mut Self) -> Holds, tape: Vec<u64>) -> Holds {
         (self.tape, self.drawn) = (tape, 0);
-        (theorem.random)(self)
+        body(self)
     }
 }
 

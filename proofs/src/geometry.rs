@@ -44,7 +44,7 @@ fn place(s: &mut impl Source, geometry: Geometry) -> (u32, u8, u64) {
 theorems! { "geometry";
     /// Sizes make a cache exactly if memory, line and ways are powers of two, the memory has at
     /// most 4 GiB, there are at most 16 ways, and the memory holds at least one set.
-    #["VM-1", unwind 2, covers ["legal", "memory no power of two", "line too long", "too many ways"]]
+    #["VM-1", unwind 8, covers ["legal", "memory no power of two", "line too long", "too many ways"]]
     fn geometry_is_exactly_the_legal_sizes(s) {
         let memory = s.value("memory", 0..=u64::MAX, &SIZES);
         let line = s.value("line", 0..=u64::MAX, &SIZES);
@@ -62,7 +62,7 @@ theorems! { "geometry";
 
     /// A cache has the memory, the line and the ways that were asked for, and as many lines and
     /// sets as they make.
-    #["VM-1", unwind 2, covers ["many sets", "one set", "4 GiB"]]
+    #["VM-1", unwind 8, covers ["many sets", "one set", "4 GiB"]]
     fn geometry_has_the_sizes_asked_for(s) {
         let (ways, line, sets) = draw::logarithms(s)?;
         let geometry = draw::of_logarithms(ways, line, sets)?;
@@ -76,7 +76,7 @@ theorems! { "geometry";
     }
 
     /// Line and offset of an address make the address again.
-    #["VM-1", unwind 2, covers ["inside a line", "first byte of a line"]]
+    #["VM-1", unwind 8, covers ["inside a line", "first byte of a line"]]
     fn split_and_join_are_inverse(s) {
         let (geometry, addr) = (draw::geometry(s)?, draw::addr(s, &EDGES));
         let (line, offset) = (geometry.line_of(addr), geometry.offset_of(addr));
@@ -87,7 +87,7 @@ theorems! { "geometry";
 
     /// The offset of an address is less than the line's size, and the first byte of a line has
     /// offset 0 and belongs to it.
-    #["VM-1", unwind 2, covers ["last byte of a line", "line of 4 GiB"]]
+    #["VM-1", unwind 8, covers ["last byte of a line", "line of 4 GiB"]]
     fn offset_stays_in_the_line(s) {
         let (geometry, addr) = (draw::geometry(s)?, draw::addr(s, &EDGES));
         let (line, offset) = (geometry.line_of(addr), geometry.offset_of(addr));
@@ -99,7 +99,7 @@ theorems! { "geometry";
     }
 
     /// Two addresses belong to one line exactly if no multiple of the line size lies between them.
-    #["VM-1", unwind 2, covers ["one line", "neighbours in two lines"]]
+    #["VM-1", unwind 8, covers ["one line", "neighbours in two lines"]]
     fn lines_are_aligned_runs_of_bytes(s) {
         let (geometry, a, b) = (draw::geometry(s)?, draw::addr(s, &EDGES), draw::addr(s, &ENDS));
         // The highest bit in which they differ decides; a line of 2^32 bytes has all of them.
@@ -110,7 +110,7 @@ theorems! { "geometry";
     }
 
     /// The lines of any two different places (set, way) do not overlap on the card.
-    #["VM-11", unwind 2, covers ["two ways of a set", "two sets", "4 GiB"]]
+    #["VM-11", unwind 8, covers ["two ways of a set", "two sets", "4 GiB"]]
     fn card_addresses_do_not_overlap(s) {
         let geometry = draw::geometry(s)?;
         let (set_a, way_a, a) = place(s, geometry);
@@ -126,7 +126,7 @@ theorems! { "geometry";
     }
 
     /// Every line on the card lies inside the memory, on a multiple of its size.
-    #["VM-11", unwind 2, covers ["last line", "first line"]]
+    #["VM-11", unwind 8, covers ["last line", "first line"]]
     fn card_addresses_stay_in_the_memory(s) {
         let geometry = draw::geometry(s)?;
         let (set, way, at) = place(s, geometry);
@@ -139,7 +139,7 @@ theorems! { "geometry";
 
     /// The lines of a range of bytes are exactly those that share a byte with it, up to the end of
     /// the address space.
-    #["VM-10", unwind 2, covers ["a line of the range", "a line beside it", "an empty range", "beyond the end"]]
+    #["VM-10", unwind 8, covers ["a line of the range", "a line beside it", "an empty range", "beyond the end"]]
     fn lines_of_a_range_are_those_it_meets(s) {
         let (geometry, addr) = (draw::geometry(s)?, draw::addr(s, &ENDS));
         let len = s.value("bytes", 0..=u64::MAX, &[0, 1, 2, 127, 128, 129, 1 << 20, 1 << 32, u64::MAX]);
@@ -158,7 +158,7 @@ theorems! { "geometry";
     }
 
     /// The metadata takes 5 bytes for each line that the memory holds.
-    #["VM-2", unwind 2, covers ["one line", "4 GiB"]]
+    #["VM-2", unwind 8, covers ["one line", "4 GiB"]]
     fn metadata_is_five_bytes_a_line(s) {
         let (ways, line, sets) = draw::logarithms(s)?;
         let geometry = draw::of_logarithms(ways, line, sets)?;
@@ -169,7 +169,7 @@ theorems! { "geometry";
     }
 
     /// 16 MB of memory have 640 KB of metadata in lines of 128 bytes, and 80 KB in lines of 1024.
-    #["VM-2", unwind 2, covers ["128 bytes", "1024 bytes"]]
+    #["VM-2", unwind 8, covers ["128 bytes", "1024 bytes"]]
     fn metadata_of_the_papers_examples(s) {
         let example = s.value("example", 0..=1, &draw::BYTES[..2]);
         let way_bits = s.value("log2 ways", 0..=4, &WORDS[..5]);
@@ -182,7 +182,7 @@ theorems! { "geometry";
 
     /// More memory has more metadata at the same line size; longer lines have less at the same
     /// memory.
-    #["VM-2", unwind 2, covers ["twice the memory", "twice the line"]]
+    #["VM-2", unwind 8, covers ["twice the memory", "twice the line"]]
     fn metadata_grows_with_memory_and_shrinks_with_lines(s) {
         let (ways, line, sets) = draw::logarithms(s)?;
         let metadata = draw::of_logarithms(ways, line, sets)?.metadata();

@@ -52,7 +52,36 @@ pub trait Source {
     fn value<T: Value>(&mut self, name: &'static str, full: RangeInclusive<T>, small: &'static [T]) -> T;
 
     /// Notes that a case of interest was reached, so that no theorem holds for want of cases.
-    fn cover(&mut self, label: &'static str, reached: bool);
+    fn cover(&mut self, label: Label, reached: bool);
+}
+
+/// A label of a case of interest.
+#[derive(Clone, Copy, Debug)]
+pub struct Label {
+    /// As a person reads it.
+    pub text: &'static str,
+    /// As Kani compares it, without a loop over letters.
+    id: u64,
+}
+
+impl Label {
+    /// The label of that text.
+    #[must_use]
+    pub const fn new(text: &'static str) -> Self {
+        // FNV-1a.
+        let (mut id, mut i) = (0xcbf2_9ce4_8422_2325_u64, 0);
+        while i < text.len() {
+            id = (id ^ text.as_bytes()[i] as u64).wrapping_mul(0x0100_0000_01b3);
+            i += 1;
+        }
+        Self { text, id }
+    }
+
+    /// Whether both are the same.
+    #[must_use]
+    pub const fn is(self, other: Self) -> bool {
+        self.id == other.id
+    }
 }
 
 /// The theorem speaks only of values for which this holds.
@@ -92,14 +121,24 @@ macro_rules! check_eq {
     };
 }
 
+/// A value that only messages show: Kani, which shows none, does not make it.
+#[macro_export]
+macro_rules! shown {
+    ($value:expr) => {{
+        #[cfg(kani)]
+        {}
+        #[cfg(not(kani))]
+        {
+            $value
+        }
+    }};
+}
+
 /// A case of interest, which an engine has to reach.
 #[macro_export]
 macro_rules! cover {
     ($source:expr, $label:literal, $reached:expr) => {
-        let reached: bool = $reached;
-        #[cfg(all(kani, not(kani_stub)))]
-        ::kani::cover!(reached, $label);
-        $source.cover($label, reached);
+        $source.cover(const { $crate::source::Label::new($label) }, $reached);
     };
 }
 
@@ -125,12 +164,12 @@ pub struct Theorem {
 /// Declares the theorems of a unit: each a documentation comment, which is what the theorem says,
 /// its requirement, Kani's unwind bound, its covers, and its body.
 ///
-/// An unwind bound is one more than the longest loop's turns; Kani tells when it is too low.
+/// An unwind bound is more than the longest loop's turns; Kani tells when it is too low.
 #[macro_export]
 macro_rules! theorems {
     ($unit:literal; $(
         $(#[doc = $says:literal])+
-        #[$requirement:literal, unwind $unwind:literal, covers $covers:tt]
+        #[$requirement:literal, unwind $unwind:literal, covers [$($cover:literal),+]]
         fn $name:ident($source:ident) $body:block
     )+) => {
         $(
@@ -150,19 +189,29 @@ macro_rules! theorems {
             name: stringify!($name),
             unit: $unit,
             requirement: $requirement,
-            says: concat!($($says),+),
-            covers: &$covers,
+            says: concat!($($says),+).trim_ascii_start(),
+            covers: &[$($cover),+],
             exhaustive: $name::<$crate::engines::Exhaustive>,
             random: $name::<$crate::engines::Random>,
         }),+];
 
         #[cfg(kani)]
+        #[cfg_attr(kani_stub, allow(dead_code))]
         mod kani_proofs {
             $(
                 #[cfg_attr(not(kani_stub), kani::proof, kani::unwind($unwind))]
                 fn $name() {
+                    // Constants: Kani shall not work them out.
+                    let labels = const { [$($crate::source::Label::new($cover)),+] };
+                    let mut symbols = $crate::kani_source::Symbols::new(labels);
                     // A failed claim panics, and no case is vacuous: Kani assumes.
-                    let _ = super::$name(&mut $crate::kani_source::Symbols);
+                    let _ = super::$name(&mut symbols);
+                    let mut _cover = 0;
+                    $(
+                        #[cfg(not(kani_stub))]
+                        kani::cover!(symbols.reached(_cover), $cover);
+                        _cover += 1;
+                    )+
                 }
             )+
         }

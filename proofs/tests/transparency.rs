@@ -8,13 +8,43 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{TestCaseError, TestRunner};
+use saarcor_model::geometry::Geometry;
+use saarcor_model::l1::{FirstLevel, L1Sizes};
 use saarcor_model::memory::{Memory, Port};
-use saarcor_model::units::{HostAddr, LineAddr};
+use saarcor_model::metadata_cache::CachedMetadata;
+use saarcor_model::set::Policy;
+use saarcor_model::units::{Bytes, HostAddr, LineAddr};
 use saarcor_model::vm::{CacheConfig, Counters, Directory, VirtualMemory};
 use saarcor_reference::cache::{NaiveCache, NaiveVirtualMemory};
 use saarcor_reference::flat::FlatMemory;
 use std::collections::BTreeMap;
-use support::{caches, engine};
+use std::ops::RangeInclusive;
+use support::{engine, hashes, policies};
+
+/// Caches of 1 to 16 ways and lines of 1 to 4096 bytes, with the given binary logarithms of the
+/// number of sets.
+fn caches(set_bits: RangeInclusive<u32>) -> impl Strategy<Value = CacheConfig> {
+    (0..=4u32, 0..=12u32, set_bits, hashes(), policies()).prop_map(|(ways, line, sets, hash, policy)| {
+        let geometry = Geometry::new(Bytes(1 << (ways + line + sets)), Bytes(1 << line), 1 << ways)
+            .expect("powers of two, and at least one set");
+        CacheConfig { geometry, hash, policy }
+    })
+}
+
+/// Calls a function that is generic over the number of ways: `with_ways!(4, f(a, b))` is
+/// `f::<4>(a, b)`.
+macro_rules! with_ways {
+    ($ways:expr, $function:ident($($argument:expr),*)) => {
+        match $ways {
+            1 => $function::<1>($($argument),*),
+            2 => $function::<2>($($argument),*),
+            4 => $function::<4>($($argument),*),
+            8 => $function::<8>($($argument),*),
+            16 => $function::<16>($($argument),*),
+            ways => unreachable!("no cache has {ways} ways"),
+        }
+    };
+}
 
 /// An address by what is special about it; which one it is depends on the cache and the image.
 #[derive(Clone, Debug)]
@@ -76,7 +106,7 @@ fn places() -> impl Strategy<Value = Place> {
 #[derive(Clone, Debug)]
 enum Step {
     /// A unit reads.
-    Read { place: Place, len: usize },
+    Read { place: Place, len: usize, port: Port },
     /// The application writes to host memory and says so.
     Write { place: Place, bytes: Vec<u8> },
     /// The application writes to host memory and does not say so.
@@ -87,8 +117,9 @@ enum Step {
 
 fn steps(silent_writes: u32) -> impl Strategy<Value = Vec<Step>> {
     let bytes = || vec(any::<u8>(), 1..64);
+    let ports = prop_oneof![Just(Port::Shading), Just(Port::Node), Just(Port::List), Just(Port::Triangle)];
     let step = prop_oneof![
-        20 => (places(), 1..=300usize).prop_map(|(place, len)| Step::Read { place, len }),
+        20 => (places(), 1..=300usize, ports).prop_map(|(place, len, port)| Step::Read { place, len, port }),
         2 => (places(), bytes()).prop_map(|(place, bytes)| Step::Write { place, bytes }),
         2 => (places(), 0..10_000u64).prop_map(|(place, len)| Step::Invalidate { place, len }),
         silent_writes => (places(), bytes()).prop_map(|(place, bytes)| Step::SilentWrite { place, bytes }),
@@ -127,6 +158,11 @@ fn play<const WAYS: usize>(
     let mut host = image.to_vec();
     let mut memory = VirtualMemory::new(Directory::<WAYS>::new(config), image.to_vec());
     let mut naive = NaiveVirtualMemory::new(config);
+    // The whole of it: first-level caches of a few sets, over version B with a small metadata cache.
+    let version_b = CachedMetadata::<WAYS, 4, 16>::new(&config, 2, Policy::Lru);
+    let below = VirtualMemory::new(Directory::over(config, version_b), image.to_vec());
+    let sizes = L1Sizes { shading: 1, nodes: 4, lists: 2, triangles: 2 };
+    let mut hierarchy = FirstLevel::new(sizes, config.policy, HostAddr(50), below);
     let mut coherent = true;
     for step in steps {
         let (Step::Read { place, .. }
@@ -135,14 +171,17 @@ fn play<const WAYS: usize>(
         | Step::Invalidate { place, .. }) = step;
         let addr = place.addr(&config, image.len());
         match step {
-            Step::Read { len, .. } => {
+            Step::Read { len, port, .. } => {
                 // Not zero beforehand: bytes beyond the end have to be written too.
                 let mut bytes = vec![0xa5; *len];
-                memory.read(Port::Triangle, addr, &mut bytes);
+                memory.read(*port, addr, &mut bytes);
                 if coherent {
                     let mut flat = vec![0x5a; *len];
-                    FlatMemory::new(&host).read(Port::Triangle, addr, &mut flat);
+                    FlatMemory::new(&host).read(*port, addr, &mut flat);
                     prop_assert_eq!(&bytes, &flat, "at {:?}", addr);
+                    let mut through_l1 = vec![0x3c; *len];
+                    hierarchy.read(*port, addr, &mut through_l1);
+                    prop_assert_eq!(&through_l1, &flat, "{:?} at {:?} through all caches", port, addr);
                 }
                 prop_assert_eq!(bytes, naive.read(&host, addr, *len), "at {:?}", addr);
             }
@@ -151,6 +190,9 @@ fn play<const WAYS: usize>(
                 write(&mut memory.host, addr, bytes);
                 memory.invalidate(addr, bytes.len() as u64);
                 naive.invalidate(addr, bytes.len() as u64);
+                write(&mut hierarchy.below.host, addr, bytes);
+                hierarchy.below.invalidate(addr, bytes.len() as u64);
+                hierarchy.invalidate(addr, bytes.len() as u64);
             }
             Step::SilentWrite { bytes, .. } => {
                 write(&mut host, addr, bytes);
@@ -160,6 +202,8 @@ fn play<const WAYS: usize>(
             Step::Invalidate { len, .. } => {
                 memory.invalidate(addr, *len);
                 naive.invalidate(addr, *len);
+                hierarchy.below.invalidate(addr, *len);
+                hierarchy.invalidate(addr, *len);
             }
         }
         prop_assert_eq!(memory.directory.counters, naive.cache().counters(), "after {:?}", step);

@@ -1,6 +1,7 @@
 //! The verbs of the command line: arguments in, printed results out.
 
 pub mod metadata;
+pub mod prove;
 pub mod render;
 pub mod reproduce;
 pub mod scenes;

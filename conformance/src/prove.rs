@@ -1,0 +1,343 @@
+//! Theorems, the engines that judge them, and what each showed.
+
+use saarcor_proofs::engines::{Exhaustive, Random, Report};
+use saarcor_proofs::source::Theorem;
+use serde::Serialize;
+use std::fmt::{self, Write as _};
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+/// What judges theorems.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Engine {
+    /// All values, by the model checker Kani; needs `cargo kani`.
+    Kani,
+    /// Every value of a small scope.
+    Exhaustive,
+    /// Values at random, the same in every run.
+    Random,
+}
+
+impl fmt::Display for Engine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Kani => "kani",
+            Self::Exhaustive => "exhaustive",
+            Self::Random => "random",
+        })
+    }
+}
+
+/// What an engine showed of a theorem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Verdict {
+    /// It holds for all values.
+    #[serde(rename = "proved")]
+    Proved,
+    /// It holds for the values that were tried.
+    #[serde(rename = "held")]
+    Held,
+    /// It does not hold, or a case that it is about was never reached.
+    #[serde(rename = "disproved")]
+    Disproved,
+    /// The engine is absent, or gave no answer.
+    #[serde(rename = "not run")]
+    NotRun,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Proved => "proved",
+            Self::Held => "held",
+            Self::Disproved => "DISPROVED",
+            Self::NotRun => "not run",
+        })
+    }
+}
+
+/// A theorem as it is listed.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Listed {
+    /// Its name.
+    pub name: &'static str,
+    /// The requirement of SPEC.md.
+    pub requirement: &'static str,
+    /// What holds, in English.
+    pub says: &'static str,
+    /// The unit of the model.
+    pub unit: &'static str,
+    /// The cases that have to be reached.
+    pub covers: &'static [&'static str],
+}
+
+impl From<&Theorem> for Listed {
+    fn from(theorem: &Theorem) -> Self {
+        let Theorem { name, requirement, says, unit, covers, .. } = *theorem;
+        Self { name, requirement, says, unit, covers }
+    }
+}
+
+/// The list of all theorems as the README shows it: a table in Markdown.
+#[must_use]
+pub fn readme_list() -> String {
+    let mut list = "| | theorem | name |\n|---|---|---|\n".to_owned();
+    for Theorem { name, unit, requirement, says, .. } in saarcor_proofs::theorems() {
+        let _ = writeln!(list, "| {requirement} | {says} | [`{name}`](proofs/src/{unit}.rs) |");
+    }
+    list
+}
+
+/// The names of all theorems by their requirements, as SPEC.md shows them: a table in Markdown.
+#[must_use]
+pub fn spec_list() -> String {
+    let mut requirements: Vec<_> = saarcor_proofs::theorems().map(|theorem| theorem.requirement).collect();
+    // VM-2 before VM-10.
+    requirements.sort_by_key(|id| id.split_once('-').map(|(part, number)| (part, number.len(), number)));
+    requirements.dedup();
+    let mut list = "| id | theorems |\n|---|---|\n".to_owned();
+    for id in requirements {
+        let names = saarcor_proofs::theorems().filter(|theorem| theorem.requirement == id);
+        let names: Vec<_> = names.map(|theorem| format!("`{}`", theorem.name)).collect();
+        let _ = writeln!(list, "| {id} | {} |", names.join(" · "));
+    }
+    list
+}
+
+/// A theorem and what an engine showed of it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Judged {
+    /// The theorem.
+    #[serde(flatten)]
+    pub theorem: Listed,
+    /// The engine.
+    pub engine: Engine,
+    /// What it showed.
+    pub verdict: Verdict,
+    /// The values that it spoke of, or why it did not run.
+    pub scope: String,
+    /// Cases tried, vacuous ones included; none where values are symbols.
+    pub cases: Option<u64>,
+    /// Cases that the theorem does not speak of.
+    pub vacuous: Option<u64>,
+    /// How many of the covers were reached.
+    pub covers_reached: usize,
+    /// Time taken.
+    pub seconds: f64,
+    /// The case for which it does not hold.
+    pub counterexample: Option<String>,
+}
+
+impl Judged {
+    /// What the theorem says, and below it what the engine showed, for a person.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let Self { engine, verdict, scope, seconds, .. } = self;
+        let mut text = format!("  {engine:<10} {verdict:<9}");
+        if let (Some(cases), Some(vacuous)) = (self.cases, self.vacuous) {
+            let _ = write!(text, " {cases} cases, {vacuous} vacuous;");
+        }
+        if *verdict != Verdict::NotRun {
+            let covers = self.theorem.covers.len();
+            let _ = write!(text, " {} of {covers} covers; {seconds:.2} s;", self.covers_reached);
+        }
+        let _ = write!(text, " {scope}");
+        if let Some(case) = &self.counterexample {
+            let _ = write!(text, "\n    {case}");
+        }
+        text
+    }
+
+    fn of(theorem: &Theorem, engine: Engine, judge: impl FnOnce() -> Report) -> Self {
+        let start = Instant::now();
+        let report = judge();
+        Self {
+            theorem: theorem.into(),
+            engine,
+            verdict: if report.holds { Verdict::Held } else { Verdict::Disproved },
+            scope: report.scope,
+            cases: Some(report.cases),
+            vacuous: Some(report.vacuous),
+            covers_reached: report.covers.iter().filter(|&&count| count > 0).count(),
+            seconds: start.elapsed().as_secs_f64(),
+            counterexample: report.counterexample,
+        }
+    }
+
+    /// By every value of the theorem's small scope.
+    #[must_use]
+    pub fn exhaustive(theorem: &Theorem) -> Self {
+        Self::of(theorem, Engine::Exhaustive, || Exhaustive::judge(theorem))
+    }
+
+    /// By that many cases at random.
+    #[must_use]
+    pub fn random(theorem: &Theorem, cases: u32) -> Self {
+        Self::of(theorem, Engine::Random, || Random::judge(theorem, cases))
+    }
+
+    fn by_kani(theorem: &Theorem, verdict: Verdict, scope: &str) -> Self {
+        Self {
+            theorem: theorem.into(),
+            engine: Engine::Kani,
+            verdict,
+            scope: scope.to_owned(),
+            cases: None,
+            vacuous: None,
+            covers_reached: 0,
+            seconds: 0.0,
+            counterexample: None,
+        }
+    }
+}
+
+/// By Kani: all of the theorems, one after another; `done` is told of each.
+///
+/// The proofs are those of the workspace that the command is started in.
+pub fn by_kani(theorems: &[&Theorem], mut done: impl FnMut(&Judged)) -> Vec<Judged> {
+    let mut left: Vec<&Theorem> = theorems.to_vec();
+    let mut judged = Vec::new();
+    let mut keep = |result: Judged| {
+        done(&result);
+        judged.push(result);
+    };
+    let why = run_kani(theorems, |name, result| {
+        if let Some(at) = left.iter().position(|theorem| harness(theorem) == name) {
+            keep(result(left.remove(at)));
+        }
+    });
+    for theorem in left {
+        keep(Judged::by_kani(theorem, Verdict::NotRun, &why));
+    }
+    judged
+}
+
+fn harness(theorem: &Theorem) -> String {
+    format!("{}::kani_proofs::{}", theorem.unit, theorem.name)
+}
+
+/// Starts `cargo kani` and hands on what it says of each harness; returns why it said nothing of
+/// those that are left.
+fn run_kani(theorems: &[&Theorem], mut each: impl FnMut(&str, &dyn Fn(&Theorem) -> Judged)) -> String {
+    let version = Command::new("cargo").args(["kani", "--version"]).stderr(Stdio::null()).output();
+    if !version.is_ok_and(|version| version.status.success()) {
+        return "Kani is absent: 'cargo kani --version' fails".to_owned();
+    }
+    let mut command = Command::new("cargo");
+    command.args(["kani", "-p", "saarcor-proofs", "--output-format", "terse", "--exact"]);
+    for theorem in theorems {
+        command.args(["--harness", &harness(theorem)]);
+    }
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::null()).stdin(Stdio::null()).spawn();
+    let mut child = match child {
+        Ok(child) => child,
+        Err(error) => return format!("'cargo kani' cannot be started: {error}"),
+    };
+    let mut answer = KaniAnswer::default();
+    if let Some(stdout) = child.stdout.take() {
+        for line in BufReader::new(stdout).lines().map_while(Result::ok) {
+            if let Some((name, said)) = answer.read(&line) {
+                each(&name, &|theorem| said.judged(theorem));
+            }
+        }
+    }
+    match child.wait() {
+        Ok(status) => format!("Kani gave no answer ({status}); 'cargo kani -p saarcor-proofs' says why"),
+        Err(error) => format!("Kani was lost: {error}"),
+    }
+}
+
+/// What Kani has said of the harness that it works on.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct KaniAnswer {
+    harness: String,
+    covers: usize,
+    failed: Vec<String>,
+    succeeded: Option<bool>,
+}
+
+impl KaniAnswer {
+    /// Reads a line; the last of a harness gives its name and all that was said of it.
+    fn read(&mut self, line: &str) -> Option<(String, KaniResult)> {
+        let line = line.trim();
+        if let Some(name) = line.strip_prefix("Checking harness ") {
+            *self = Self { harness: name.trim_end_matches("...").to_owned(), ..Self::default() };
+        } else if let Some(rest) = line.strip_prefix("** ") {
+            if rest.contains("cover properties satisfied") {
+                self.covers = rest.split(' ').next().and_then(|n| n.parse().ok()).unwrap_or(0);
+            }
+        } else if let Some(check) = line.strip_prefix("Failed Checks: ") {
+            self.failed.push(check.to_owned());
+        } else if let Some(result) = line.strip_prefix("VERIFICATION:- ") {
+            self.succeeded = Some(result.starts_with("SUCCESSFUL"));
+        } else if let Some(time) = line.strip_prefix("Verification Time: ") {
+            let seconds = time.trim_end_matches('s').parse().unwrap_or(0.0);
+            let Self { harness, covers, failed, succeeded } = std::mem::take(self);
+            return Some((harness, KaniResult { covers, failed, succeeded: succeeded?, seconds }));
+        }
+        None
+    }
+}
+
+/// What Kani said of a harness.
+#[derive(Clone, Debug, PartialEq)]
+struct KaniResult {
+    covers: usize,
+    failed: Vec<String>,
+    succeeded: bool,
+    seconds: f64,
+}
+
+impl KaniResult {
+    fn judged(&self, theorem: &Theorem) -> Judged {
+        let all_reached = self.covers == theorem.covers.len();
+        let holds = self.succeeded && all_reached;
+        let verdict = if holds { Verdict::Proved } else { Verdict::Disproved };
+        let why = match (self.failed.is_empty(), all_reached) {
+            (false, _) => self.failed.join("; "),
+            (true, false) => format!("{} of {} covers were reached", self.covers, theorem.covers.len()),
+            (true, true) => "Kani did not finish".to_owned(),
+        };
+        Judged {
+            covers_reached: self.covers,
+            seconds: self.seconds,
+            counterexample: (!holds).then_some(why),
+            ..Judged::by_kani(theorem, verdict, "all values")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What Kani 0.67 prints of a harness.
+    fn answer(covers: &str, failed: &str, result: &str) -> Option<(String, KaniResult)> {
+        let text = format!(
+            "Checking harness hash::kani_proofs::hash_names_a_set...\n\nVERIFICATION RESULT:\n \
+             ** 0 of 136 failed (2 unreachable)\n\n ** {covers} cover properties satisfied\n\n{failed}\n\
+             VERIFICATION:- {result}\nVerification Time: 3.3358977s\n"
+        );
+        let mut answer = KaniAnswer::default();
+        text.lines().find_map(|line| answer.read(line))
+    }
+
+    fn judged(covers: &str, failed: &str, result: &str) -> Judged {
+        let (name, said) = answer(covers, failed, result).expect("a whole answer");
+        let theorem = saarcor_proofs::theorems().find(|theorem| harness(theorem) == name).expect("known");
+        said.judged(theorem)
+    }
+
+    #[test]
+    fn kani_proves_with_all_covers_alone() {
+        let proved = judged("3 of 3", "", "SUCCESSFUL");
+        assert_eq!((proved.verdict, proved.covers_reached), (Verdict::Proved, 3));
+        assert!((proved.seconds - 3.3).abs() < 0.1);
+        assert_eq!(judged("2 of 3", "", "SUCCESSFUL").verdict, Verdict::Disproved);
+        let failed = judged("3 of 3", "Failed Checks: the theorem's claim", "FAILED");
+        assert_eq!(failed.verdict, Verdict::Disproved);
+        assert_eq!(failed.counterexample.as_deref(), Some("the theorem's claim"));
+    }
+}

@@ -1,0 +1,129 @@
+//! `saarcor prove`.
+
+use crate::cli::Status;
+use crate::names::nearest;
+use crate::output::{Stdout, json_line};
+use crate::progress::Progress;
+use crate::prove::{Engine, Judged, Listed, Verdict, by_kani};
+use anyhow::{Result, bail};
+use clap::ValueEnum as _;
+use clap::builder::PossibleValuesParser;
+use clap::builder::TypedValueParser as _;
+use rayon::prelude::*;
+use saarcor_proofs::source::Theorem;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The theorems of the model, and what each engine shows of them
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// A theorem, or a unit of the model [default: all]
+    name: Option<String>,
+    /// What judges: the engines without need of Kani by default
+    #[arg(long, value_parser = PossibleValuesParser::new(["kani", "exhaustive", "random", "all"]).map(engines))]
+    engine: Option<Engines>,
+    /// Cases a theorem for the random engine
+    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..))]
+    cases: u32,
+    /// Lists the theorems and judges none
+    #[arg(long, conflicts_with = "engine")]
+    list: bool,
+    /// Prints JSON lines: an object a theorem, or a theorem and engine
+    #[arg(long)]
+    json: bool,
+}
+
+/// The engines asked for by one name.
+#[derive(Clone, Debug)]
+struct Engines(Vec<Engine>);
+
+fn engines(name: String) -> Engines {
+    let all = || Engine::value_variants().to_vec();
+    Engines(Engine::from_str(&name, false).map_or_else(|_| all(), |engine| vec![engine]))
+}
+
+impl Args {
+    /// Judges, and prints what was shown.
+    pub fn run(self, progress: &Progress) -> Result<Status> {
+        let theorems = self.theorems()?;
+        let mut out = Stdout::new();
+        if self.list {
+            for theorem in &theorems {
+                if self.json {
+                    json_line(&mut out, &Listed::from(*theorem))?;
+                } else {
+                    out.line(format_args!(
+                        "{:<5} {} [{}::{}]",
+                        theorem.requirement, theorem.says, theorem.unit, theorem.name
+                    ))?;
+                }
+            }
+            return out.finish().map(|()| Status::Holds);
+        }
+
+        let without_kani = || Engines(vec![Engine::Exhaustive, Engine::Random]);
+        let Engines(engines) = self.engine.clone().unwrap_or_else(without_kani);
+        let mut all = Vec::new();
+        for &engine in &engines {
+            let results = self.judge(engine, &theorems, progress);
+            for judged in &results {
+                if self.json {
+                    json_line(&mut out, judged)?;
+                } else {
+                    let Listed { requirement, says, name, .. } = judged.theorem;
+                    out.line(format_args!("{requirement:<5} {says} [{name}]\n{}", judged.text()))?;
+                }
+            }
+            out.flush()?;
+            all.extend(results);
+        }
+        out.finish()?;
+
+        let count = |verdict| all.iter().filter(|judged| judged.verdict == verdict).count();
+        let (disproved, absent) = (count(Verdict::Disproved), count(Verdict::NotRun));
+        progress.say(format_args!(
+            "{} theorems: {} proved, {} held, {disproved} disproved, {absent} not run{}",
+            theorems.len(),
+            count(Verdict::Proved),
+            count(Verdict::Held),
+            if engines.contains(&Engine::Kani) { "" } else { "; Kani not asked for (--engine kani)" },
+        ));
+        Ok(match (disproved, absent) {
+            (0, 0) => Status::Holds,
+            (0, _) => Status::Incomplete,
+            _ => Status::Disproved,
+        })
+    }
+
+    fn judge(&self, engine: Engine, theorems: &[&Theorem], progress: &Progress) -> Vec<Judged> {
+        let done = AtomicUsize::new(0);
+        progress.during(&format!("by the engine {engine}"), |report| {
+            let one_done = || {
+                let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+                report(done as f64 / theorems.len() as f64);
+            };
+            let each = |judge: &(dyn Fn(&Theorem) -> Judged + Sync)| {
+                let judged = theorems.par_iter().map(|theorem| judge(theorem)).inspect(|_| one_done());
+                judged.collect()
+            };
+            match engine {
+                Engine::Exhaustive => each(&Judged::exhaustive),
+                Engine::Random => each(&|theorem| Judged::random(theorem, self.cases)),
+                Engine::Kani => by_kani(theorems, |_| one_done()),
+            }
+        })
+    }
+
+    fn theorems(&self) -> Result<Vec<&'static Theorem>> {
+        let all: Vec<_> = saarcor_proofs::theorems().collect();
+        let Some(name) = &self.name else { return Ok(all) };
+        let chosen: Vec<_> =
+            all.iter().copied().filter(|theorem| theorem.name == name || theorem.unit == name).collect();
+        if chosen.is_empty() {
+            let names = all.iter().flat_map(|theorem| [theorem.name, theorem.unit]);
+            let hint =
+                nearest(name, names).map_or_else(String::new, |known| format!(": did you mean '{known}'?"));
+            bail!("no theorem and no unit '{name}'{hint} ('saarcor prove --list' lists all)");
+        }
+        Ok(chosen)
+    }
+}

@@ -1,0 +1,233 @@
+//! Theorems of the kd-tree (KD-1, KD-2): its bytes, and which trees the chip may be given.
+
+use crate::draw::{self, BYTES, ENDS, WORDS};
+use crate::source::Source;
+use crate::{assume, check, check_eq, cover, theorems};
+use saarcor_model::image::{LIST_ENTRY_BYTES, ListEntry, NODE_BYTES, NodeRecord};
+use saarcor_model::kdtree::{Axis, Node, check_nodes};
+use saarcor_model::traversal::{Children, Stack};
+use saarcor_model::units::HostAddr;
+
+/// Nodes of the trees: the least number at which inner nodes are siblings, parent and child, and
+/// parent of siblings, and at which a pair of children can be shared whole, by half, or be beside
+/// the end. Of what is before a node, `check_nodes` sees no more than one number a node.
+const NODES: usize = 5;
+
+/// A leaf without triangles.
+const LEAF: Node = Node::Leaf { first: 0, count: 0 };
+
+/// Bits of split planes: finite ones of all magnitudes, infinities and NaN.
+static PLANES: [u32; 10] = [
+    0,
+    1,
+    0x3f80_0000,
+    0x7f7f_ffff,
+    0x7f80_0000,
+    0x7f80_0001,
+    0x7fc0_0000,
+    0x8000_0000,
+    0xff7f_ffff,
+    0xff80_0000,
+];
+
+/// Five nodes, each a leaf or an inner node with children anywhere, in small scopes at some of
+/// `places`.
+fn nodes(s: &mut impl Source, places: &'static [u32]) -> [Node; NODES] {
+    let mut nodes = [LEAF; NODES];
+    for node in &mut nodes {
+        if draw::flag(s, "is an inner node") {
+            let children = s.value("children", 0..=u32::MAX, places);
+            *node = Node::Inner { axis: Axis::X, split: 0.5, children };
+        }
+    }
+    nodes
+}
+
+/// Whether node `parent` names node `child` as one of its two children.
+fn is_parent(parent: Node, child: usize) -> bool {
+    match parent {
+        Node::Inner { children, .. } => children as usize == child || u64::from(children) + 1 == child as u64,
+        Node::Leaf { .. } => false,
+    }
+}
+
+/// The definition of KD-2, node by node: children that follow their parent inside the tree, and one
+/// parent each. Of a tree, the greatest number of inner nodes on a path; of what is none, nothing.
+fn depth_of_tree(nodes: &[Node; NODES]) -> Option<usize> {
+    let mut is_tree = true;
+    // Inner nodes from the root to each node, itself not included.
+    let mut above = [0; NODES];
+    for child in 0..NODES {
+        let mut parents = 0;
+        for parent in 0..NODES {
+            if is_parent(nodes[parent], child) {
+                is_tree &= parent < child;
+                parents += 1;
+                above[child] = above[parent] + 1;
+            }
+        }
+        is_tree &= parents == usize::from(child > 0);
+    }
+    let mut depth = 0;
+    for node in 0..NODES {
+        if let Node::Inner { children, .. } = nodes[node] {
+            is_tree &= u64::from(children) + 1 < NODES as u64;
+        }
+        depth = if above[node] > depth { above[node] } else { depth };
+    }
+    is_tree.then_some(depth)
+}
+
+theorems! { "kdtree";
+    /// Any 8 bytes are one node, and the node has those bytes.
+    #["KD-1", unwind 9, covers ["a leaf", "an inner node", "a split plane that is NaN"]]
+    fn node_bytes_are_those_of_the_node(s) {
+        let first = s.value("first word", 0..=u32::MAX, &PLANES);
+        let second = s.value("second word", 0..=u32::MAX, &draw::EDGES);
+        let ([a, b, c, d], [e, f, g, h]) = (first.to_le_bytes(), second.to_le_bytes());
+        let bytes: [u8; NODE_BYTES as usize] = [a, b, c, d, e, f, g, h];
+        let node = NodeRecord::decode(bytes);
+        cover!(s, "a leaf", matches!(node, NodeRecord::Leaf { .. }));
+        cover!(s, "an inner node", matches!(node, NodeRecord::Inner { .. }));
+        cover!(s, "a split plane that is NaN", matches!(node, NodeRecord::Inner { split, .. } if split.is_nan()));
+        check_eq!(node.encode(), bytes, "{node:?}");
+    }
+
+    /// A node is read as it was written: axis, split plane and children, or list and count.
+    #["KD-1", unwind 2, covers ["x", "y", "z", "a leaf"]]
+    fn node_is_read_as_written(s) {
+        let kind = s.value("kind (x, y, z, leaf)", 0..=3, &BYTES[..4]);
+        let (first, second) = (s.value("split plane or count", 0..=u32::MAX, &PLANES), s.value("address / 4", 0..=u32::MAX >> 2, &WORDS));
+        let addr = HostAddr(second << 2);
+        cover!(s, "x", kind == 0);
+        cover!(s, "y", kind == 1);
+        cover!(s, "z", kind == 2);
+        cover!(s, "a leaf", kind == 3);
+        if kind == 3 {
+            let leaf = NodeRecord::Leaf { list: addr, count: first };
+            check_eq!(NodeRecord::decode(leaf.encode()), leaf, "a leaf");
+        } else {
+            let (axis, split) = (Axis::ALL[usize::from(kind)], f32::from_bits(first));
+            let node = NodeRecord::Inner { axis, split, below: addr };
+            // Bits instead of the plane itself: NaN is no equal of NaN.
+            let read = match NodeRecord::decode(node.encode()) {
+                NodeRecord::Inner { axis, split, below } => Some((axis, split.to_bits(), below)),
+                NodeRecord::Leaf { .. } => None,
+            };
+            check_eq!(read, Some((axis, first, addr)), "{node:?}");
+        }
+    }
+
+    /// An entry of a list is read as it was written, and any 4 bytes are one entry.
+    #["HI-3", unwind 5, covers ["tagged", "not tagged"]]
+    fn list_entry_is_read_as_written(s) {
+        let (triangle, tag) = (s.value("address / 4", 0..=u32::MAX >> 2, &WORDS) << 2, s.value("tag", 0..=3, &WORDS[..4]));
+        cover!(s, "tagged", tag > 0);
+        cover!(s, "not tagged", tag == 0);
+        let entry = ListEntry { triangle: HostAddr(triangle), tag };
+        check_eq!(ListEntry::decode(entry.encode()), entry, "address and tag");
+        let bytes: [u8; LIST_ENTRY_BYTES as usize] = (triangle | tag).to_le_bytes();
+        check_eq!(ListEntry::decode(bytes).encode(), bytes, "the bytes of {entry:?}");
+    }
+
+    /// A tree is accepted exactly if the children of each node follow it inside the tree, each node
+    /// but the root has one parent, and no path has more inner nodes than the stack has room for.
+    #["KD-2", unwind 6, covers ["accepted", "too deep", "two parents", "no parent", "outside", "before their parent"]]
+    fn accepted_is_exactly_what_is_a_tree(s) {
+        // Children may begin at each node, and those of the last place end outside.
+        let nodes = nodes(s, &WORDS[..=NODES]);
+        let deepest = usize::from(s.value("room of the stack", 0..=3, &BYTES[..4]));
+        let depth = depth_of_tree(&nodes);
+        let legal = depth.is_some_and(|depth| depth <= deepest);
+        let result = check_nodes(&nodes, 0, deepest, &mut [0; NODES]);
+        let parents = |child: usize| {
+            let mut parents = 0;
+            for parent in nodes {
+                parents += usize::from(is_parent(parent, child));
+            }
+            parents
+        };
+        cover!(s, "accepted", legal);
+        cover!(s, "too deep", depth.is_some_and(|depth| depth > deepest));
+        cover!(s, "two parents", parents(2) == 2);
+        cover!(s, "no parent", parents(1) == 0);
+        cover!(s, "outside", is_parent(nodes[0], NODES));
+        cover!(s, "before their parent", is_parent(nodes[2], 1));
+        check_eq!(result.is_ok(), legal, "{nodes:?}, stack of {deepest}: {result:?}");
+    }
+
+    /// Every traversal of an accepted tree ends: it is at each node at most once, also if it visits
+    /// all of them, and the stack has room.
+    #["KD-2", unwind 6, covers ["all five nodes", "one child at each node", "both inner nodes on a path"]]
+    fn traversal_of_an_accepted_tree_ends(s) {
+        // Five nodes are a tree only if their pairs of children begin at 1 and at 3.
+        let nodes = nodes(s, &[1, 3]);
+        assume!(check_nodes(&nodes, 0, 2, &mut [0; NODES]).is_ok());
+        let mut stack = Stack::<u32, 2>::new(u32::MAX);
+        stack.begin(0);
+        let mut at = stack.resume();
+        let mut met = [false; NODES];
+        let (mut steps, mut both, mut chain) = (0, false, true);
+        for _ in 0..NODES {
+            if let Some(node) = at {
+                check!((node as usize) < NODES, "node {node} of {nodes:?}");
+                check!(!met[node as usize], "node {node} of {nodes:?} again");
+                met[node as usize] = true;
+                steps += 1;
+                at = match nodes[node as usize] {
+                    Node::Inner { children, .. } => {
+                        let visited = match s.value("visited (below, above, both)", 0..=2, &BYTES[..3]) {
+                            0 => Children::Below,
+                            1 => Children::Above,
+                            _ => Children::BelowFirst,
+                        };
+                        both |= visited == Children::BelowFirst;
+                        Some(children + u32::from(stack.descend(visited, children, children + 1)))
+                    }
+                    Node::Leaf { .. } => {
+                        chain &= steps == 3;
+                        stack.resume()
+                    }
+                };
+            }
+        }
+        cover!(s, "all five nodes", steps == NODES);
+        cover!(s, "one child at each node", !both);
+        cover!(s, "both inner nodes on a path", chain && steps == 3);
+        check_eq!(at, None, "the traversal of {nodes:?} goes on after {steps} steps");
+    }
+
+    /// A tree is accepted only if its split planes are finite.
+    #["KD-2", unwind 4, covers ["finite", "infinite", "NaN"]]
+    fn accepted_planes_are_finite(s) {
+        // One inner node: each is looked at by itself.
+        let split = f32::from_bits(s.value("bits of the split plane", 0..=u32::MAX, &PLANES));
+        let axis = Axis::ALL[usize::from(s.value("axis", 0..=2, &BYTES[..3]))];
+        cover!(s, "finite", split.is_finite());
+        cover!(s, "infinite", split.is_infinite());
+        cover!(s, "NaN", split.is_nan());
+        let nodes = [Node::Inner { axis, split, children: 1 }, LEAF, LEAF];
+        let result = check_nodes(&nodes, 0, 1, &mut [0; 3]);
+        check_eq!(result.is_ok(), split.is_finite(), "plane at {split}: {result:?}");
+    }
+
+    /// A tree is accepted only if each leaf's list lies inside the lists, also where its end is
+    /// beyond 32 bits.
+    #["KD-2", unwind 4, covers ["up to the end", "beyond the end", "no entry", "beyond 32 bits"]]
+    fn accepted_lists_lie_inside_the_lists(s) {
+        // Two leaves of which either may be at fault: each is looked at by itself.
+        let (first, count) = (s.value("first", 0..=u32::MAX, &ENDS), s.value("count", 0..=u32::MAX, &ENDS));
+        let refs = s.value("entries of all lists", 0..=u32::MAX, &ENDS);
+        let above = draw::flag(s, "is the leaf above");
+        let end = u64::from(first) + u64::from(count);
+        cover!(s, "up to the end", end == u64::from(refs) && count > 0);
+        cover!(s, "beyond the end", end == u64::from(refs) + 1);
+        cover!(s, "no entry", count == 0);
+        cover!(s, "beyond 32 bits", end > u64::from(u32::MAX));
+        let leaf = Node::Leaf { first, count };
+        let (below, above) = if above { (LEAF, leaf) } else { (leaf, LEAF) };
+        let nodes = [Node::Inner { axis: Axis::Y, split: 0.0, children: 1 }, below, above];
+        let result = check_nodes(&nodes, refs as usize, 1, &mut [0; 3]);
+        check_eq!(result.is_ok(), end <= u64::from(refs), "{leaf:?} of {refs} entries: {result:?}");
+    }
+}

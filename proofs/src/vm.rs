@@ -1,0 +1,363 @@
+//! Theorems of the virtual memory, version A (VM-6 to VM-10).
+//!
+//! **One witness.** One arbitrary byte of the host is watched, and one word remembers what it
+//! holds; of the rest of the host nothing is known. What holds of an arbitrary byte holds of all.
+//!
+//! **One step from any consistent state.** A card of two sets of two ways, with lines of two
+//! bytes, is enough: an access reads and changes one set ([`access_changes_one_set`]), sets know
+//! nothing of each other, and the theorems of the set speak of more ways. Two sets, so that a wrong
+//! set shows; two bytes, so that a wrong offset does.
+
+use crate::draw::{self, BYTES, WORDS};
+use crate::source::{Source, Stop};
+use crate::{assume, check, check_eq, cover, shown, theorems};
+use saarcor_model::geometry::Geometry;
+use saarcor_model::hash::Hash;
+use saarcor_model::memory::{HostMemory, Memory, Port};
+use saarcor_model::set::{Outcome, Set};
+use saarcor_model::units::{Bytes, HostAddr, LineAddr, SetIndex, Way};
+use saarcor_model::vm::{CacheConfig, Counters, Directory, VirtualMemory};
+use std::cell::Cell;
+
+/// Ways, sets and bytes a line of the card that the theorems speak of.
+pub const WAYS: usize = 2;
+const SETS: usize = 2;
+const LINE: usize = 2;
+
+/// Any configuration of that card, without the hash or with one fold of it: that every fold
+/// names a set too is a theorem of the hash, and what is done with the set is the same.
+pub fn config<S: Source>(s: &mut S) -> Result<CacheConfig, Stop> {
+    let hash = if draw::flag(s, "hash: add-upper") { Hash::AddUpper } else { Hash::Low };
+    let policy = draw::policy(s);
+    match Geometry::new(Bytes((WAYS * SETS * LINE) as u64), Bytes(LINE as u64), WAYS as u32) {
+        Ok(geometry) => Ok(CacheConfig { geometry, hash, policy }),
+        Err(_) => Err(Stop::Vacuous),
+    }
+}
+
+/// Any legal state of the sets: every resident line lies in its own set.
+///
+/// Small scope: the lines of `small`.
+fn sets<S: Source>(s: &mut S, config: &CacheConfig, small: &'static [u32]) -> Result<Vec<Set<WAYS>>, Stop> {
+    let mut sets = vec![Set::empty(config.policy); SETS];
+    for (index, set) in sets.iter_mut().enumerate() {
+        for way in 0..WAYS {
+            set.resident[way] = draw::flag(s, "resident");
+            if set.resident[way] {
+                set.lines[way] = LineAddr(s.value("line of a way", 0..=u32::MAX, small));
+                assume!(config.set_of(set.lines[way]) == SetIndex(index as u32));
+            }
+        }
+        if draw::flag(s, "second way first") {
+            set.order = if config.policy == saarcor_model::set::Policy::Plru { [0, 1] } else { [1, 0] };
+        }
+        assume!(set.is_valid(config.policy));
+    }
+    Ok(sets)
+}
+
+/// Any directory. Small scope: the lines 0 to 5, three or so a set: one more than there are ways.
+pub fn directory<S: Source>(s: &mut S) -> Result<Directory<WAYS>, Stop> {
+    directory_of(s, &WORDS[..6])
+}
+
+/// Any directory. Small scope: the lines of `small`.
+fn directory_of<S: Source>(s: &mut S, small: &'static [u32]) -> Result<Directory<WAYS>, Stop> {
+    let config = config(s)?;
+    let mut directory = Directory::new(config);
+    directory.metadata.sets = sets(s, &config, small)?;
+    Ok(directory)
+}
+
+/// Whether the directory is legal: its sets are, and each line lies in its own.
+fn is_valid(directory: &Directory<WAYS>) -> bool {
+    let mut valid = true;
+    for (index, set) in directory.sets().iter().enumerate() {
+        valid &= set.is_valid(directory.config.policy);
+        for way in 0..WAYS {
+            let own = directory.config.set_of(set.lines[way]) == SetIndex(index as u32);
+            valid &= own | !set.resident[way];
+        }
+    }
+    valid
+}
+
+/// Host memory of which one byte is known, and what went over the bus.
+#[derive(Clone, Debug)]
+pub struct Watched {
+    /// Address of the byte.
+    pub addr: u32,
+    /// The byte.
+    pub byte: u8,
+    /// What every other byte reads as.
+    pub other: u8,
+    /// Reads.
+    pub reads: Cell<u32>,
+    /// Bytes read.
+    pub moved: Cell<usize>,
+}
+
+impl HostMemory for Watched {
+    fn read(&self, addr: HostAddr, bytes: &mut [u8]) {
+        self.reads.set(self.reads.get() + 1);
+        self.moved.set(self.moved.get() + bytes.len());
+        for (i, byte) in bytes.iter_mut().enumerate() {
+            *byte = if addr.0.wrapping_add(i as u32) == self.addr { self.byte } else { self.other };
+        }
+    }
+}
+
+/// Any watched byte. Small scope: the bytes of lines 0, 1, 2 and 5.
+pub fn watched(s: &mut impl Source) -> Watched {
+    Watched {
+        addr: s.value("watched address", 0..=u32::MAX, &[0, 3, 4, 11]),
+        byte: s.value("watched byte", 0..=u8::MAX, &BYTES[1..2]),
+        other: s.value("other bytes", 0..=u8::MAX, &BYTES[..1]),
+        reads: Cell::new(0),
+        moved: Cell::new(0),
+    }
+}
+
+/// Where the watched byte lies on the card, if it does.
+fn on_card(memory: &VirtualMemory<Watched, WAYS>) -> Option<usize> {
+    let config = memory.directory.config;
+    let addr = HostAddr(memory.host.addr);
+    let (line, set) = (config.geometry.line_of(addr), config.set_of(config.geometry.line_of(addr)));
+    let way: Way = memory.directory.sets()[set.0 as usize].way_of(line)?;
+    Some(config.geometry.card_addr(set, way).0 as usize + config.geometry.offset_of(addr) as usize)
+}
+
+/// Any virtual memory in any consistent state: the watched byte, if it is on the card, is right
+/// there. Small scope: the lines of `small`.
+pub fn memory<S: Source>(s: &mut S, small: &'static [u32]) -> Result<VirtualMemory<Watched, WAYS>, Stop> {
+    let directory = directory_of(s, small)?;
+    let mut memory = VirtualMemory::new(directory, watched(s));
+    for byte in &mut memory.card {
+        *byte = s.value("byte on the card", 0..=u8::MAX, &BYTES[..1]);
+    }
+    if let Some(place) = on_card(&memory) {
+        memory.card[place] = memory.host.byte;
+    }
+    Ok(memory)
+}
+
+/// An address for a step. Small scope: bytes of lines 0 to 5.
+fn addr(s: &mut impl Source) -> HostAddr {
+    draw::addr(s, &[0, 1, 2, 3, 5, 6, 8, 10])
+}
+
+/// Length of a range. Small scope: none, less than a line, more than one, more than the card, all.
+fn len(s: &mut impl Source) -> u64 {
+    s.value("bytes", 0..=u64::MAX, &[0, 1, 3, 9, u64::MAX])
+}
+
+theorems! { "vm";
+    /// Every byte read is the host's, and stays so: through accesses, evictions, invalidations,
+    /// and host writes followed by their invalidation.
+    #["VM-9", unwind 12, covers ["read from the card", "read from the host", "pushed out", "written", "written while on the card", "invalidated"]]
+    fn reads_return_the_hosts_bytes(s) {
+        let mut memory = memory(s, &WORDS[..6])?;
+        let step = s.value("step (read, invalidate, write)", 0..=2, &BYTES[..3]);
+        let was_on_card = on_card(&memory).is_some();
+        match step {
+            0 => {
+                let addr = addr(s);
+                let mut byte = [0];
+                memory.read_in_line(addr, &mut byte);
+                cover!(s, "pushed out", was_on_card && on_card(&memory).is_none());
+            }
+            1 => {
+                let (addr, len) = (addr(s), len(s));
+                memory.invalidate(addr, len);
+                cover!(s, "invalidated", was_on_card && on_card(&memory).is_none());
+            }
+            _ => {
+                memory.host.byte = s.value("byte written", 0..=u8::MAX, &BYTES[2..3]);
+                memory.invalidate(HostAddr(memory.host.addr), 1);
+                cover!(s, "written", true);
+                cover!(s, "written while on the card", was_on_card);
+            }
+        }
+        let state = shown!(memory.clone());
+        if let Some(place) = on_card(&memory) {
+            check_eq!(memory.card[place], memory.host.byte, "after step {step}: byte {place} of the card of {state:?}");
+        }
+        let mut byte = [0xff];
+        let outcome = memory.read_in_line(HostAddr(memory.host.addr), &mut byte);
+        cover!(s, "read from the card", matches!(outcome, Outcome::Hit { .. }));
+        cover!(s, "read from the host", matches!(outcome, Outcome::Miss { .. }));
+        check_eq!(byte[0], memory.host.byte, "after step {step}: byte {} read from {state:?}", memory.host.addr);
+    }
+
+    /// A read that straddles lines returns the host's byte at each place, and zero beyond the end
+    /// of the address space.
+    // Four bytes meet up to three lines of two.
+    #["VM-10", unwind 12, covers ["in the second line", "beyond the end"]]
+    fn reads_across_lines_return_the_hosts_bytes(s) {
+        let mut memory = memory(s, &WORDS[..6])?;
+        let addr = s.value("address", 0..=u32::MAX, &[0, 1, 2, 3, 8, u32::MAX - 1, u32::MAX]);
+        let place = s.value("place", 0..=3, &BYTES[..4]);
+        let state = shown!(memory.clone());
+        let mut bytes = [0xff; 4];
+        memory.read(Port::Triangle, HostAddr(addr), &mut bytes);
+        let got = bytes[usize::from(place)];
+        match addr.checked_add(u32::from(place)) {
+            None => {
+                cover!(s, "beyond the end", true);
+                check_eq!(got, 0, "byte {place} of 4 at {addr} from {state:?}");
+            }
+            Some(at) => {
+                assume!(at == memory.host.addr);
+                cover!(s, "in the second line", place >= 2);
+                check_eq!(got, memory.host.byte, "byte {place} of 4 at {addr} from {state:?}");
+            }
+        }
+    }
+
+    /// An access changes no set but that of its line.
+    #["VM-6", unwind 12, covers ["set 0", "set 1"]]
+    fn access_changes_one_set(s) {
+        let mut directory = directory(s)?;
+        let line = draw::line(s, &WORDS[..7]);
+        let before = directory.clone();
+        directory.access(line);
+        let own = directory.config.set_of(line).0 as usize;
+        cover!(s, "set 0", own == 0);
+        cover!(s, "set 1", own == 1);
+        for set in 0..SETS {
+            check!(set == own || directory.sets()[set] == before.sets()[set], "set {set} after access {line:?} to {before:?}");
+        }
+    }
+
+    /// An access to the whole cache is the step of its line's set.
+    #["VM-6", unwind 12, covers ["hit", "miss"]]
+    fn access_is_the_step_of_its_set(s) {
+        let mut directory = directory(s)?;
+        let line = draw::line(s, &WORDS[..7]);
+        let own = directory.config.set_of(line).0 as usize;
+        let expected = directory.sets()[own].access(line, directory.config.policy);
+        let before = shown!(directory.clone());
+        let outcome = directory.access(line);
+        cover!(s, "hit", matches!(outcome, Outcome::Hit { .. }));
+        cover!(s, "miss", matches!(outcome, Outcome::Miss { .. }));
+        check_eq!((directory.sets()[own], outcome), expected, "access {line:?} to {before:?}");
+    }
+
+    /// After any access and any invalidation every resident line lies in its own set, and the sets
+    /// are legal: never more lines are resident than the memory holds, and none twice.
+    #["VM-5", unwind 12, covers ["access", "invalidation"]]
+    fn resident_lines_lie_in_their_sets(s) {
+        let mut directory = directory(s)?;
+        let before = shown!(directory.clone());
+        let access = draw::flag(s, "access");
+        let (addr, len) = (addr(s), len(s));
+        if access {
+            directory.access(directory.config.geometry.line_of(addr));
+        } else {
+            directory.invalidate(addr, len);
+        }
+        cover!(s, "access", access);
+        cover!(s, "invalidation", !access && len > 0);
+        check!(is_valid(&directory), "access: {access}, {addr:?}, {len} bytes to {before:?}: {directory:?}");
+    }
+
+    /// Each miss moves exactly one line over the bus, from its first byte on; a hit moves none.
+    #["VM-6", unwind 12, covers ["hit", "miss"]]
+    fn miss_moves_one_line_and_hit_none(s) {
+        let mut memory = memory(s, &WORDS[..6])?;
+        let addr = addr(s);
+        let state = shown!(memory.clone());
+        let mut byte = [0];
+        let outcome = memory.read_in_line(addr, &mut byte);
+        let expected = match outcome {
+            Outcome::Hit { .. } => (0, 0),
+            Outcome::Miss { .. } => (1, LINE),
+        };
+        cover!(s, "hit", expected.0 == 0);
+        cover!(s, "miss", expected.0 == 1);
+        check_eq!((memory.host.reads.get(), memory.host.moved.get()), expected, "reads and bytes of {addr:?} from {state:?}");
+    }
+
+    /// The counters count: each access once, each miss and each eviction where there was one.
+    #["VM-6", unwind 12, covers ["hit", "miss", "eviction"]]
+    fn counters_count_each_access(s) {
+        let mut directory = directory(s)?;
+        let line = draw::line(s, &WORDS[..7]);
+        let before = shown!(directory.clone());
+        let outcome = directory.access(line);
+        let (missed, evicted) = match outcome {
+            Outcome::Hit { .. } => (0, 0),
+            Outcome::Miss { evicted, .. } => (1, u64::from(evicted.is_some())),
+        };
+        cover!(s, "hit", missed == 0);
+        cover!(s, "miss", missed == 1);
+        cover!(s, "eviction", evicted == 1);
+        let expected = Counters { accesses: 1, misses: missed, evictions: evicted, invalidated: 0 };
+        check_eq!(directory.counters, expected, "access {line:?} to {before:?}");
+        check_eq!(directory.counters.hits(), 1 - missed, "hits of access {line:?} to {before:?}");
+    }
+
+    /// On a cold cache at least as many lines are loaded as distinct lines are used.
+    // Four accesses show the base; that a line which is not resident is loaded, from any state, is
+    // `hit_iff_resident`, and carries it to runs of any length.
+    #["VM-6", unwind 12, covers ["four distinct lines", "a line twice", "more loads than lines"]]
+    fn cold_cache_loads_every_distinct_line(s) {
+        let mut directory = Directory::<WAYS>::new(config(s)?);
+        let mut lines = [LineAddr(0); 4];
+        let mut distinct = 0;
+        for k in 0..4 {
+            lines[k] = draw::line(s, &WORDS[..7]);
+            let mut new = true;
+            for earlier in 0..k {
+                new &= lines[earlier] != lines[k];
+            }
+            distinct += u64::from(new);
+            directory.access(lines[k]);
+        }
+        cover!(s, "four distinct lines", distinct == 4);
+        cover!(s, "a line twice", distinct < 4);
+        cover!(s, "more loads than lines", directory.counters.misses > distinct);
+        let loaded = directory.counters.misses;
+        check!(loaded >= distinct, "{:?}: {lines:?} are {distinct} lines, {loaded} loaded", directory.config);
+    }
+
+    /// An invalidation of a range of bytes forgets every line that meets it, and no other line,
+    /// nor the order; it counts the lines that it forgot.
+    #["VM-8", unwind 12, covers ["a line in the range", "a line beside it", "more lines than the cache holds", "none"]]
+    fn invalidation_forgets_exactly_the_range(s) {
+        let mut directory = directory(s)?;
+        let (addr, len) = (addr(s), len(s));
+        let before = directory.clone();
+        directory.invalidate(addr, len);
+        let range = before.config.lines_of(addr, len);
+        cover!(s, "more lines than the cache holds", range.end - range.start > 4);
+        cover!(s, "none", range.start == range.end);
+        let mut forgotten = 0;
+        for set in 0..SETS {
+            let (was, is) = (before.sets()[set], directory.sets()[set]);
+            for way in 0..WAYS {
+                let inside = range.contains(&u64::from(was.lines[way].0));
+                forgotten += u64::from(was.resident[way] & inside);
+                cover!(s, "a line in the range", was.resident[way] && inside);
+                cover!(s, "a line beside it", was.resident[way] && !inside);
+                let expected = was.resident[way] && !inside;
+                check_eq!(is.resident[way], expected, "{len} bytes at {addr:?} of {before:?}: way {way} of set {set} resident");
+            }
+            check_eq!((is.lines, is.order), (was.lines, was.order), "{len} bytes at {addr:?} of {before:?}: set {set}");
+        }
+        check_eq!(directory.counters.invalidated, forgotten, "{len} bytes at {addr:?} of {before:?}: lines forgotten");
+    }
+
+    /// After a flush no line is resident, the sets are as in a new cache, and the counters go on.
+    #["VM-8", unwind 12, covers ["lines were resident"]]
+    fn flush_forgets_all(s) {
+        let mut directory = directory(s)?;
+        directory.counters.accesses = 7;
+        let before = directory.clone();
+        directory.flush();
+        cover!(s, "lines were resident", before.sets()[1].resident[1]);
+        let new = Directory::<WAYS>::new(directory.config);
+        check_eq!(directory.sets(), new.sets(), "flush of {before:?}");
+        check_eq!(directory.counters, before.counters, "counters after the flush of {before:?}");
+    }
+}

@@ -1,0 +1,473 @@
+//! Traversal returns what the search over all triangles returns (KD-4), through any valid tree,
+//! and reads of the tree what its rays meet (KD-3).
+//!
+//! Coordinates are small multiples of one half, so that in the triangle test nothing is rounded but
+//! the reciprocal and the products with it: edges and vertices are hit exactly, and what differs is
+//! traversal's fault.
+
+mod support;
+
+use glam::Vec3;
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::{TestCaseError, TestRunner};
+use saarcor_model::image::{HostImage, NODE_BYTES, TRIANGLE_BYTES};
+use saarcor_model::intersection::{EdgeTriangle, Kernel};
+use saarcor_model::kdtree::{Aabb, Axis, KdTree, MAX_DEPTH, Node};
+use saarcor_model::memory::{Memory, Port};
+use saarcor_model::ray::{Hits, Packet, Query, Ray};
+use saarcor_model::scene::{Material, Scene, Triangle};
+use saarcor_model::traversal::{Traversal, widen};
+use saarcor_model::units::HostAddr;
+use saarcor_reference::flat::FlatMemory;
+use saarcor_reference::search::closest_hit;
+use support::engine;
+
+/// Where a node cuts space.
+#[derive(Clone, Copy, Debug)]
+enum Plane {
+    /// Through a corner of a triangle.
+    Corner { triangle: usize, corner: usize },
+    /// At a multiple of one half, which may be outside of everything.
+    Half(i8),
+    /// Anywhere.
+    At(f32),
+    /// Where the node above cuts, so that one cell is as thin as a plane.
+    Again,
+}
+
+/// What becomes of a cell: a leaf, or two cells.
+#[derive(Clone, Copy, Debug)]
+struct Cut {
+    leaf: bool,
+    axis: Axis,
+    plane: Plane,
+}
+
+fn cuts() -> impl Strategy<Value = Vec<Cut>> {
+    let plane = prop_oneof![
+        4 => (any::<usize>(), 0..3usize).prop_map(|(triangle, corner)| Plane::Corner { triangle, corner }),
+        2 => (-12..=12i8).prop_map(Plane::Half),
+        2 => (-5.0..5.0f32).prop_map(Plane::At),
+        1 => Just(Plane::Again),
+    ];
+    let axis = (0..3usize).prop_map(|axis| Axis::ALL[axis]);
+    let cut = (prop::bool::weighted(0.2), axis, plane);
+    vec(cut.prop_map(|(leaf, axis, plane)| Cut { leaf, axis, plane }), 0..40)
+}
+
+/// Most inner nodes on a path of the trees built here.
+const DEEPEST: usize = 12;
+
+/// Builds a tree by cuts that know nothing of the scene, and gives each leaf the triangles whose
+/// own boxes meet its cell.
+struct Builder<'a> {
+    triangles: &'a [Triangle],
+    cuts: std::slice::Iter<'a, Cut>,
+    tree: KdTree,
+}
+
+impl Builder<'_> {
+    fn cell(&mut self, place: usize, inside: Vec<u32>, above: (Axis, f32), depth: usize) {
+        let Some(Cut { leaf: false, axis, plane }) = self.cuts.next().filter(|_| depth < DEEPEST) else {
+            let first = self.tree.refs.len() as u32;
+            self.tree.nodes[place] = Node::Leaf { first, count: inside.len() as u32 };
+            self.tree.refs.extend(inside);
+            return;
+        };
+        let (axis, split) = match *plane {
+            Plane::Corner { triangle, corner } => {
+                (*axis, self.triangles[triangle % self.triangles.len()].corners[corner][*axis as usize])
+            }
+            Plane::Half(halves) => (*axis, f32::from(halves) / 2.0),
+            Plane::At(split) => (*axis, split),
+            Plane::Again => above,
+        };
+        let children = self.tree.nodes.len();
+        self.tree.nodes[place] = Node::Inner { axis, split, children: children as u32 };
+        self.tree.nodes.extend([Node::Leaf { first: 0, count: 0 }; 2]);
+        let corners = |&id: &u32| self.triangles[id as usize].corners.map(|corner| corner[axis as usize]);
+        let low = inside.iter().copied().filter(|id| corners(id).iter().any(|&x| x <= split)).collect();
+        let high = inside.iter().copied().filter(|id| corners(id).iter().any(|&x| x >= split)).collect();
+        self.cell(children, low, (axis, split), depth + 1);
+        self.cell(children + 1, high, (axis, split), depth + 1);
+    }
+}
+
+fn tree(triangles: &[Triangle], cuts: &[Cut]) -> KdTree {
+    let bounds = Aabb::around(triangles.iter().flat_map(|triangle| triangle.corners));
+    let nodes = vec![Node::Leaf { first: 0, count: 0 }];
+    let mut builder =
+        Builder { triangles, cuts: cuts.iter(), tree: KdTree { bounds, nodes, refs: Vec::new() } };
+    builder.cell(0, (0..triangles.len() as u32).collect(), (Axis::X, 0.0), 0);
+    builder.tree
+}
+
+fn halves(most: i8) -> impl Strategy<Value = f32> {
+    (-most..=most).prop_map(|halves| f32::from(halves) / 2.0)
+}
+
+fn triangles() -> impl Strategy<Value = Vec<Triangle>> {
+    let corner =
+        || (-4..=4i8, -4..=4i8, -4..=4i8).prop_map(|(x, y, z)| Vec3::new(x.into(), y.into(), z.into()));
+    let triangle = [corner(), corner(), corner()]
+        .prop_map(|corners| Triangle { corners, material: 0 })
+        .prop_filter("no ray hits a triangle without area", |triangle| !triangle.is_degenerate());
+    vec(triangle, 2..=40)
+}
+
+/// Rays between points of the same grid, many of them along axes and in planes of the grid.
+fn rays() -> impl Strategy<Value = Ray> {
+    let component = || prop_oneof![1 => Just(-0.0), 1 => Just(0.0), 3 => (-3..=3i8).prop_map(f32::from)];
+    let direction = (component(), component(), component())
+        // A ray goes somewhere.
+        .prop_map(|(x, y, z)| if (x, y, z) == (0.0, 0.0, 0.0) { Vec3::X } else { Vec3::new(x, y, z) });
+    let origin = (halves(12), halves(12), halves(12)).prop_map(|(x, y, z)| Vec3::new(x, y, z));
+    let t_min = prop_oneof![3 => Just(0.0), 1 => (0..8u8).prop_map(|eighths| f32::from(eighths) / 8.0)];
+    let t_max =
+        prop_oneof![2 => Just(f32::INFINITY), 1 => (0..16u8).prop_map(|halves| f32::from(halves) / 2.0)];
+    (origin, direction, t_min, t_max).prop_map(|(origin, direction, t_min, t_max)| Ray {
+        origin,
+        direction,
+        t_min,
+        t_max,
+    })
+}
+
+/// Packets, of which some lanes are empty.
+fn packets<const N: usize>() -> impl Strategy<Value = [Option<Ray>; N]> {
+    vec(prop::option::weighted(0.8, rays()), N)
+        .prop_map(|rays| rays.try_into().expect("as many as asked for"))
+}
+
+fn lay_out(triangles: Vec<Triangle>, tree: &KdTree) -> HostImage {
+    let scene = Scene { triangles, materials: vec![Material::default()], ..Scene::default() };
+    HostImage::build(&scene, tree, Kernel::MollerTrumbore).expect("a valid tree")
+}
+
+/// Reads the host's memory, and notes what.
+struct Noting<'a> {
+    memory: FlatMemory<'a>,
+    nodes: Vec<u32>,
+    triangles: usize,
+}
+
+impl<'a> Noting<'a> {
+    fn new(image: &'a HostImage) -> Self {
+        Self { memory: FlatMemory::new(&image.bytes), nodes: Vec::new(), triangles: 0 }
+    }
+}
+
+impl Memory for Noting<'_> {
+    fn read(&mut self, port: Port, addr: HostAddr, bytes: &mut [u8]) {
+        match port {
+            Port::Node => self.nodes.push(addr.0 / NODE_BYTES),
+            Port::Triangle => self.triangles += 1,
+            Port::List | Port::Shading => {}
+        }
+        self.memory.read(port, addr, bytes);
+    }
+}
+
+/// Distance and address of the hit that the search finds: of several at one distance, the one at
+/// the lowest address.
+fn search(triangles: &[Triangle], image: &HostImage, ray: &Ray) -> Option<(f32, u32)> {
+    let closest = closest_hit(triangles, |triangle| distance(triangle, ray))?;
+    let place = image.triangle_ids.iter().position(|id| closest.triangles.contains(id));
+    let place = place.expect("each triangle is in a list") as u32;
+    Some((closest.t, image.registers.triangles.0 + place * TRIANGLE_BYTES))
+}
+
+fn distance(triangle: &Triangle, ray: &Ray) -> Option<f32> {
+    let found =
+        EdgeTriangle::new(&triangle.corners).intersect(ray.origin.to_array(), ray.direction.to_array());
+    (found.is_inside() && found.t >= ray.t_min && found.t < ray.t_max).then_some(found.t)
+}
+
+/// Both queries of one packet against the search; returns the number of hits.
+fn agrees<const N: usize>(
+    traversal: &mut Traversal<N>,
+    triangles: &[Triangle],
+    image: &HostImage,
+    rays: &[Option<Ray>; N],
+) -> Result<usize, TestCaseError> {
+    let packet = Packet::new(*rays);
+    let mut memory = Noting::new(image);
+    let closest: Hits<N> = traversal.run(&mut memory, &image.registers, &packet, Query::Closest);
+    memory.nodes.sort_unstable();
+    prop_assert!(memory.nodes.is_sorted_by(|a, b| a < b), "a node is read twice: {:?}", memory.nodes);
+    let any = traversal.run(&mut memory, &image.registers, &packet, Query::Any);
+    let mut hits = 0;
+    for (lane, ray) in rays.iter().enumerate() {
+        let expected = ray.and_then(|ray| search(triangles, image, &ray));
+        let found = closest.is_hit(lane).then(|| (closest.t[lane], closest.triangle[lane]));
+        prop_assert_eq!(found, expected, "closest hit of {:?}", ray);
+        prop_assert_eq!(any.is_hit(lane), expected.is_some(), "any hit of {:?}", ray);
+        if let (true, Some(ray)) = (any.is_hit(lane), ray) {
+            let id = image.triangle_id(HostAddr(any.triangle[lane]));
+            let triangle = &triangles[id as usize];
+            prop_assert!(distance(triangle, ray).is_some(), "{:?} does not hit {:?}", ray, triangle);
+            hits += 1;
+        }
+    }
+    Ok(hits)
+}
+
+/// The nodes that packets read, naively: by recursion, each ray's interval in f64, widened by
+/// `slack` relative to the distance of each plane.
+struct Naive<'a> {
+    nodes: &'a [Node],
+    rays: &'a [Option<Ray>],
+    slack: f64,
+    read: Vec<u32>,
+}
+
+/// Part of a ray, `enter ≤ t ≤ leave`.
+type Interval = (f64, f64);
+
+impl Naive<'_> {
+    /// The parts of a ray before and behind a plane, near first; by its side where it is parallel.
+    fn cut(&self, ray: &Ray, axis: usize, split: f32) -> (Interval, Interval) {
+        let (origin, direction) = (f64::from(ray.origin[axis]), f64::from(ray.direction[axis]));
+        let whole = (f64::NEG_INFINITY, f64::INFINITY);
+        let none = (f64::INFINITY, f64::NEG_INFINITY);
+        let split = f64::from(split);
+        if direction == 0.0 {
+            // Near is below for +0.0, above for −0.0.
+            let near_is_below = direction.is_sign_positive();
+            return match origin.total_cmp(&split) {
+                _ if origin == split => (whole, whole),
+                order if order.is_lt() == near_is_below => (whole, none),
+                _ => (none, whole),
+            };
+        }
+        let t = (split - origin) / direction;
+        let slack = t.abs() * self.slack;
+        ((f64::NEG_INFINITY, t + slack), (t - slack, f64::INFINITY))
+    }
+
+    fn walk_in(&mut self, bounds: Aabb) {
+        let in_bounds = |ray: &Ray| {
+            let mut part = (f64::from(ray.t_min), f64::from(ray.t_max));
+            for axis in 0..3 {
+                let (low, high) = (bounds.min[axis], bounds.max[axis]);
+                let downwards = ray.direction[axis].is_sign_negative();
+                let (first, last) = if downwards { (high, low) } else { (low, high) };
+                part = meet(part, self.cut(ray, axis, first).1);
+                part = meet(part, self.cut(ray, axis, last).0);
+            }
+            part
+        };
+        let none = (f64::INFINITY, f64::NEG_INFINITY);
+        let parts = self.rays.iter().map(|ray| ray.as_ref().map_or(none, in_bounds)).collect();
+        self.walk(0, parts);
+    }
+
+    fn walk(&mut self, node: u32, parts: Vec<Interval>) {
+        let Some(first) = parts.iter().position(|(enter, leave)| enter <= leave) else { return };
+        self.read.push(node);
+        let Node::Inner { axis, split, children } = self.nodes[node as usize] else { return };
+        let downwards = |ray: &Ray| ray.direction[axis as usize].is_sign_negative();
+        let child = |above: bool| {
+            let part = |(ray, &part): (&Option<Ray>, &Interval)| {
+                let Some(ray) = ray else { return part };
+                let (near, far) = self.cut(ray, axis as usize, split);
+                meet(part, if downwards(ray) == above { near } else { far })
+            };
+            self.rays.iter().zip(&parts).map(part).collect::<Vec<_>>()
+        };
+        let (below, above) = (child(false), child(true));
+        if self.rays[first].as_ref().is_some_and(downwards) {
+            self.walk(children + 1, above);
+            self.walk(children, below);
+        } else {
+            self.walk(children, below);
+            self.walk(children + 1, above);
+        }
+    }
+}
+
+fn meet(a: Interval, b: Interval) -> Interval {
+    (a.0.max(b.0), a.1.min(b.1))
+}
+
+/// What one packet reads of a tree without triangles; returns whether the naive walk says it to
+/// the node.
+fn reads_what_is_met<const N: usize>(
+    traversal: &mut Traversal<N>,
+    tree: &KdTree,
+    image: &HostImage,
+    rays: &[Option<Ray>; N],
+) -> Result<bool, TestCaseError> {
+    let mut memory = Noting::new(image);
+    let hits = traversal.run(&mut memory, &image.registers, &Packet::new(*rays), Query::Closest);
+    prop_assert!((0..N).all(|lane| !hits.is_hit(lane)) && memory.triangles == 0, "{:?}", hits);
+    // Widening is 3.6e-7; between it and the distances in f64 the walk is free.
+    let naive = |slack| {
+        let mut naive = Naive { nodes: &tree.nodes, rays, slack, read: Vec::new() };
+        naive.walk_in(tree.bounds);
+        naive.read
+    };
+    let (least, most) = (naive(0.0), naive(2e-6));
+    if least == most {
+        prop_assert_eq!(&memory.nodes, &least);
+    }
+    prop_assert!(least.iter().all(|node| memory.nodes.contains(node)), "{:?} of {:?}", memory.nodes, least);
+    prop_assert!(memory.nodes.iter().all(|node| most.contains(node)), "{:?} of {:?}", memory.nodes, most);
+    Ok(least == most)
+}
+
+fn without_lists(mut tree: KdTree) -> KdTree {
+    for node in &mut tree.nodes {
+        if let Node::Leaf { first, count } = node {
+            (*first, *count) = (0, 0);
+        }
+    }
+    tree.refs.clear();
+    tree
+}
+
+proptest! {
+    #![proptest_config(engine())]
+
+    #[test]
+    fn hits_are_those_of_the_search(
+        triangles in triangles(),
+        cuts in cuts(),
+        alone in vec(packets::<1>(), 40),
+        four in vec(packets::<4>(), 10),
+        many in packets::<16>(),
+    ) {
+        let image = lay_out(triangles.clone(), &tree(&triangles, &cuts));
+        let (mut by_one, mut by_four, mut by_many) = (Traversal::default(), Traversal::default(), Traversal::default());
+        for ray in &alone {
+            agrees(&mut by_one, &triangles, &image, ray)?;
+        }
+        for rays in &four {
+            agrees(&mut by_four, &triangles, &image, rays)?;
+        }
+        agrees(&mut by_many, &triangles, &image, &many)?;
+    }
+
+    #[test]
+    fn nodes_read_are_those_met(
+        triangles in triangles(),
+        cuts in cuts(),
+        alone in vec(packets::<1>(), 20),
+        four in vec(packets::<4>(), 10),
+    ) {
+        let tree = without_lists(tree(&triangles, &cuts));
+        let image = lay_out(triangles, &tree);
+        let (mut by_one, mut by_four) = (Traversal::default(), Traversal::default());
+        for ray in &alone {
+            reads_what_is_met(&mut by_one, &tree, &image, ray)?;
+        }
+        for rays in &four {
+            reads_what_is_met(&mut by_four, &tree, &image, rays)?;
+        }
+    }
+}
+
+/// The strategies above reach what they are for: hits and misses, and walks that are known to the
+/// node.
+#[test]
+fn strategies_reach_what_they_are_for() {
+    let mut runner = TestRunner::new(engine());
+    let strategy = (triangles(), cuts(), vec(packets::<4>(), 10));
+    let (mut hits, mut exact, mut inner) = (0, 0, 0);
+    for _ in 0..engine().cases {
+        let (triangles, cuts, packets) = strategy.new_tree(&mut runner).expect("a case").current();
+        let tree = tree(&triangles, &cuts);
+        inner += tree.nodes.len() / 2;
+        let image = lay_out(triangles.clone(), &tree);
+        let mut traversal = Traversal::default();
+        for rays in &packets {
+            hits += agrees(&mut traversal, &triangles, &image, rays).expect("as the search");
+        }
+        let tree = without_lists(tree);
+        let image = lay_out(triangles, &tree);
+        for rays in &packets {
+            exact += usize::from(reads_what_is_met(&mut traversal, &tree, &image, rays).expect("as met"));
+        }
+    }
+    let (cases, packets) = (engine().cases as usize, engine().cases as usize * 10);
+    println!("{hits} hits of {} rays, {exact} of {packets} walks exact, {inner} inner nodes", packets * 4);
+    assert!(hits * 10 > packets * 4 && exact * 4 > packets && inner > cases * 4);
+}
+
+/// The distance of a plane lies between the two to which it is widened, for every float of four
+/// powers of two: the least numbers, around which products are rounded to the same places, two
+/// that stand for all between, and the largest, whose products overflow.
+#[test]
+fn widening_encloses_the_distance() {
+    for exponent in [0, 1, 127, 254_u32] {
+        for bits in exponent << 23..(exponent + 1) << 23 {
+            let t = f32::from_bits(bits);
+            let (least, greatest) = widen(t);
+            assert!(least <= t && t <= greatest, "{t}: {least} to {greatest}");
+            assert_eq!(widen(-t), (-greatest, -least), "{t}");
+        }
+    }
+}
+
+/// A triangle across the x axis.
+fn across(x: f32) -> Triangle {
+    let corners = [Vec3::new(x, -9.0, -9.0), Vec3::new(x, 9.0, -9.0), Vec3::new(x, 0.0, 9.0)];
+    Triangle { corners, material: 0 }
+}
+
+fn along(x: f32, direction: f32) -> Ray {
+    let (origin, direction) = (Vec3::X * x, Vec3::X * direction);
+    Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
+}
+
+/// What lies behind a hit is not read, from either side, by either query.
+#[test]
+fn cells_behind_a_hit_are_not_read() {
+    let triangles = vec![across(0.0), across(3.0)];
+    let bounds = Aabb::around(triangles.iter().flat_map(|triangle| triangle.corners));
+    let nodes = vec![
+        Node::Inner { axis: Axis::X, split: 1.0, children: 1 },
+        Node::Leaf { first: 0, count: 1 },
+        Node::Leaf { first: 1, count: 1 },
+    ];
+    let image = lay_out(triangles, &KdTree { bounds, nodes, refs: vec![0, 1] });
+    for query in [Query::Closest, Query::Any] {
+        for (ray, nodes) in [(along(-1.0, 1.0), [0, 1]), (along(5.0, -1.0), [0, 2])] {
+            let mut memory = Noting::new(&image);
+            let hits = Traversal::<1>::default().run(
+                &mut memory,
+                &image.registers,
+                &Packet::new([Some(ray)]),
+                query,
+            );
+            assert!(hits.is_hit(0));
+            assert_eq!((memory.nodes, memory.triangles), (nodes.to_vec(), 1), "{query:?} {ray:?}");
+        }
+    }
+}
+
+/// The stack has room for the deepest tree that a driver may hand over, put off at every node.
+#[test]
+fn deepest_tree_is_walked() {
+    let depth = MAX_DEPTH as u32;
+    let triangles = vec![across(0.0), across(depth as f32)];
+    let bounds = Aabb::around(triangles.iter().flat_map(|triangle| triangle.corners));
+    // Each inner node is below the one before, and the plane nearer to the ray's origin.
+    let inner = |level: u32| Node::Inner {
+        axis: Axis::X,
+        split: (depth - level) as f32 - 0.5,
+        children: 2 * level + 1,
+    };
+    let empty = Node::Leaf { first: 0, count: 0 };
+    let mut nodes = vec![inner(0), inner(1), Node::Leaf { first: 0, count: 1 }];
+    nodes.extend((2..=depth).flat_map(|level| [if level < depth { inner(level) } else { empty }, empty]));
+    let tree = KdTree { bounds, nodes, refs: vec![1, 0] };
+    let image = lay_out(triangles, &tree);
+    let mut memory = Noting::new(&image);
+    let packet = Packet::new([Some(along(-1.0, 1.0))]);
+    let hits = Traversal::<1>::default().run(&mut memory, &image.registers, &packet, Query::Closest);
+    assert!(hits.is_hit(0) && hits.t[0] == depth as f32 + 1.0);
+    assert_eq!(memory.nodes.len(), tree.nodes.len());
+}
