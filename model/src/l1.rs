@@ -1,6 +1,7 @@
 //! The first-level caches (§2, §4): one a type of functional unit, in front of the virtual memory.
 
 use crate::data_set::DataSet;
+use crate::hash::Hash;
 use crate::memory::{Memory, Port};
 use crate::set::{Outcome, Policy};
 use crate::units::{HostAddr, LineAddr};
@@ -70,7 +71,7 @@ impl<const WAYS: usize, const BYTES: usize> L1<WAYS, BYTES> {
     }
 
     fn index_of(&self, line: LineAddr) -> usize {
-        line.0 as usize & (self.sets.len() - 1)
+        Hash::Low.set_of(line, self.sets.len().ilog2()).0 as usize
     }
 
     /// Forgets every line that `len` bytes at `addr` meet.

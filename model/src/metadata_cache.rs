@@ -6,6 +6,7 @@
 //! of a set may straddle granules.
 
 use crate::data_set::{DataSet, WriteBack};
+use crate::hash::Hash;
 use crate::metadata::{Corrupt, ENTRY_BYTES};
 use crate::set::{Outcome, Policy, Set};
 use crate::units::{LineAddr, SetIndex};
@@ -78,7 +79,7 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize>
     }
 
     fn cached(&self, granule: LineAddr) -> usize {
-        granule.0 as usize & (self.cache.len() - 1)
+        Hash::Low.set_of(granule, self.cache.len().ilog2()).0 as usize
     }
 
     /// The metadata of a set as the cache and the on-board memory together hold it (VM-13).

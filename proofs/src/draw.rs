@@ -7,27 +7,24 @@ use saarcor_model::hash::Hash;
 use saarcor_model::set::{Policy, Set};
 use saarcor_model::units::{Bytes, HostAddr, LineAddr};
 
+/// 0, 1, 2 ... up to 39, the last bit of a metadata entry.
+macro_rules! counting {
+    ($number:ty) => {{
+        let mut numbers = [0; 40];
+        let mut i = 0;
+        while i < numbers.len() {
+            numbers[i] = i as $number;
+            i += 1;
+        }
+        numbers
+    }};
+}
+
 /// 0, 1, 2 ..., of which small scopes are parts.
-pub static BYTES: [u8; 34] = {
-    let mut bytes = [0; 34];
-    let mut i = 0;
-    while i < bytes.len() {
-        bytes[i] = i as u8;
-        i += 1;
-    }
-    bytes
-};
+pub static BYTES: [u8; 40] = counting!(u8);
 
 /// The same in 32 bits.
-pub static WORDS: [u32; 34] = {
-    let mut words = [0; 34];
-    let mut i = 0;
-    while i < words.len() {
-        words[i] = i as u32;
-        i += 1;
-    }
-    words
-};
+pub static WORDS: [u32; 40] = counting!(u32);
 
 /// Addresses around the powers of two, and at both ends: where fields of an address begin and end.
 pub static EDGES: [u32; 97] = {

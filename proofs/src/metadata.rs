@@ -58,7 +58,7 @@ theorems! { "metadata";
     #["VM-12", unwind 8, covers ["one bit", "three bits", "a check bit"]]
     fn short_errors_are_told(s) {
         let entry = entry(s, &ENDS);
-        let (first, shape) = (s.value("bit", 0..=39, &BITS), s.value("shape", 0..=3, &BYTES[..4]));
+        let (first, shape) = (s.value("bit", 0..=39, &WORDS), s.value("shape", 0..=3, &BYTES[..4]));
         // Bits 1, 11, 101, 111: those of up to three neighbours, from the first on.
         let error = (2 * u64::from(shape) + 1) << first;
         assume!(error < 1 << 40);
@@ -103,14 +103,3 @@ theorems! { "metadata";
         check_eq!(decoded.ok(), legal.then_some(set), "{policy:?}: {entries:?}");
     }
 }
-
-/// The bits of an entry.
-static BITS: [u32; 40] = {
-    let mut bits = [0; 40];
-    let mut i = 0;
-    while i < bits.len() {
-        bits[i] = i as u32;
-        i += 1;
-    }
-    bits
-};
