@@ -3,6 +3,7 @@
 use saarcor_proofs::engines::{Exhaustive, Random, Report};
 use saarcor_proofs::source::Theorem;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::fmt::{self, Write as _};
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
@@ -226,7 +227,7 @@ fn run_kani(theorems: &[&Theorem], mut each: impl FnMut(&str, &dyn Fn(&Theorem) 
         return "Kani is absent: 'cargo kani --version' fails".to_owned();
     }
     let mut command = Command::new("cargo");
-    command.args(["kani", "-p", "saarcor-proofs", "--output-format", "terse", "--exact"]);
+    command.args(["kani", "-p", "saarcor-proofs", "--exact"]);
     for theorem in theorems {
         command.args(["--harness", &harness(theorem)]);
     }
@@ -253,7 +254,10 @@ fn run_kani(theorems: &[&Theorem], mut each: impl FnMut(&str, &dyn Fn(&Theorem) 
 #[derive(Clone, Debug, Default, PartialEq)]
 struct KaniAnswer {
     harness: String,
-    covers: usize,
+    /// Status of the check that is described next.
+    status: String,
+    /// Labels of the covers that were reached. Kani may judge one cover at several places.
+    covers: BTreeSet<String>,
     failed: Vec<String>,
     succeeded: Option<bool>,
 }
@@ -264,9 +268,11 @@ impl KaniAnswer {
         let line = line.trim();
         if let Some(name) = line.strip_prefix("Checking harness ") {
             *self = Self { harness: name.trim_end_matches("...").to_owned(), ..Self::default() };
-        } else if let Some(rest) = line.strip_prefix("** ") {
-            if rest.contains("cover properties satisfied") {
-                self.covers = rest.split(' ').next().and_then(|n| n.parse().ok()).unwrap_or(0);
+        } else if let Some(status) = line.strip_prefix("- Status: ") {
+            status.clone_into(&mut self.status);
+        } else if let Some(label) = line.strip_prefix("- Description: ") {
+            if self.status == "SATISFIED" {
+                self.covers.insert(label.trim_matches('"').to_owned());
             }
         } else if let Some(check) = line.strip_prefix("Failed Checks: ") {
             self.failed.push(check.to_owned());
@@ -274,7 +280,7 @@ impl KaniAnswer {
             self.succeeded = Some(result.starts_with("SUCCESSFUL"));
         } else if let Some(time) = line.strip_prefix("Verification Time: ") {
             let seconds = time.trim_end_matches('s').parse().unwrap_or(0.0);
-            let Self { harness, covers, failed, succeeded } = std::mem::take(self);
+            let Self { harness, covers, failed, succeeded, .. } = std::mem::take(self);
             return Some((harness, KaniResult { covers, failed, succeeded: succeeded?, seconds }));
         }
         None
@@ -284,7 +290,7 @@ impl KaniAnswer {
 /// What Kani said of a harness.
 #[derive(Clone, Debug, PartialEq)]
 struct KaniResult {
-    covers: usize,
+    covers: BTreeSet<String>,
     failed: Vec<String>,
     succeeded: bool,
     seconds: f64,
@@ -292,16 +298,17 @@ struct KaniResult {
 
 impl KaniResult {
     fn judged(&self, theorem: &Theorem) -> Judged {
-        let all_reached = self.covers == theorem.covers.len();
+        let reached = theorem.covers.iter().filter(|&&label| self.covers.contains(label)).count();
+        let all_reached = reached == theorem.covers.len();
         let holds = self.succeeded && all_reached;
         let verdict = if holds { Verdict::Proved } else { Verdict::Disproved };
         let why = match (self.failed.is_empty(), all_reached) {
             (false, _) => self.failed.join("; "),
-            (true, false) => format!("{} of {} covers were reached", self.covers, theorem.covers.len()),
+            (true, false) => format!("{reached} of {} covers were reached", theorem.covers.len()),
             (true, true) => "Kani did not finish".to_owned(),
         };
         Judged {
-            covers_reached: self.covers,
+            covers_reached: reached,
             seconds: self.seconds,
             counterexample: (!holds).then_some(why),
             ..Judged::by_kani(theorem, verdict, "all values")
@@ -313,30 +320,34 @@ impl KaniResult {
 mod tests {
     use super::*;
 
-    /// What Kani 0.67 prints of a harness.
-    fn answer(covers: &str, failed: &str, result: &str) -> Option<(String, KaniResult)> {
+    /// What Kani 0.67 prints of a harness of two covers, of which it judges the first twice.
+    fn judged(second_cover: &str, failed: &str, result: &str) -> Judged {
         let text = format!(
-            "Checking harness hash::kani_proofs::hash_names_a_set...\n\nVERIFICATION RESULT:\n \
-             ** 0 of 136 failed (2 unreachable)\n\n ** {covers} cover properties satisfied\n\n{failed}\n\
+            "Checking harness hash::kani_proofs::hash_names_a_set...\n\nRESULTS:\n\
+             Check 1: hash.assertion.1\n\t - Status: SUCCESS\n\t - Description: \"claim\"\n\
+             Check 2: hash.cover.1\n\t - Status: UNREACHABLE\n\t - Description: \"COVER\"\n\
+             Check 3: hash.cover.2\n\t - Status: SATISFIED\n\t - Description: \"COVER\"\n\
+             Check 4: hash.cover.3\n\t - Status: {second_cover}\n\t - Description: \"OTHER\"\n\n\
+             SUMMARY:\n ** 0 of 136 failed\n\n ** 2 of 3 cover properties satisfied\n\n{failed}\n\
              VERIFICATION:- {result}\nVerification Time: 3.3358977s\n"
         );
+        let theorem =
+            saarcor_proofs::theorems().find(|theorem| theorem.covers.len() == 2).expect("one of two");
+        let text = text.replace("hash::kani_proofs::hash_names_a_set", &harness(theorem));
+        let text = text.replace("COVER", theorem.covers[0]).replace("OTHER", theorem.covers[1]);
         let mut answer = KaniAnswer::default();
-        text.lines().find_map(|line| answer.read(line))
-    }
-
-    fn judged(covers: &str, failed: &str, result: &str) -> Judged {
-        let (name, said) = answer(covers, failed, result).expect("a whole answer");
-        let theorem = saarcor_proofs::theorems().find(|theorem| harness(theorem) == name).expect("known");
+        let (name, said) = text.lines().find_map(|line| answer.read(line)).expect("a whole answer");
+        assert_eq!(name, harness(theorem));
         said.judged(theorem)
     }
 
     #[test]
     fn kani_proves_with_all_covers_alone() {
-        let proved = judged("3 of 3", "", "SUCCESSFUL");
-        assert_eq!((proved.verdict, proved.covers_reached), (Verdict::Proved, 3));
+        let proved = judged("SATISFIED", "", "SUCCESSFUL");
+        assert_eq!((proved.verdict, proved.covers_reached), (Verdict::Proved, 2));
         assert!((proved.seconds - 3.3).abs() < 0.1);
-        assert_eq!(judged("2 of 3", "", "SUCCESSFUL").verdict, Verdict::Disproved);
-        let failed = judged("3 of 3", "Failed Checks: the theorem's claim", "FAILED");
+        assert_eq!(judged("UNSATISFIABLE", "", "SUCCESSFUL").verdict, Verdict::Disproved);
+        let failed = judged("SATISFIED", "Failed Checks: the theorem's claim", "FAILED");
         assert_eq!(failed.verdict, Verdict::Disproved);
         assert_eq!(failed.counterexample.as_deref(), Some("the theorem's claim"));
     }
