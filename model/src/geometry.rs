@@ -217,6 +217,15 @@ mod tests {
     }
 
     #[test]
+    fn refusals_name_the_nearest_power() {
+        for (size, nearest) in [(3, 2), (5, 4), (6, 4), (7, 8), (100, 128), (3 << 61, 1 << 62)] {
+            assert_eq!(nearest_power(size), nearest, "{size}");
+        }
+        assert_eq!(nearest_power((3 << 61) + 1), 1 << 63);
+        assert_eq!(nearest_power(u64::MAX), 1 << 63);
+    }
+
+    #[test]
     fn one_line_may_span_the_whole_address_space() {
         let g = Geometry::new(Bytes(1 << 32), Bytes(1 << 32), 1).expect("legal");
         assert_eq!(g.line_of(HostAddr(u32::MAX)), LineAddr(0));

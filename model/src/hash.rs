@@ -46,3 +46,22 @@ impl Hash {
         SetIndex((sum & mask) as u32)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn add_upper_all_adds_every_group() {
+        for (line, bits, set) in
+            [(0x321, 4, 0x6), (0xf0f, 4, 0xe), (0x4321, 4, 0xa), (0b11_01, 1, 1), (7, 0, 0)]
+        {
+            assert_eq!(
+                Hash::AddUpperAll.set_of(LineAddr(line), bits),
+                SetIndex(set),
+                "{line:#x}, {bits} bits"
+            );
+        }
+        assert_eq!(Hash::AddUpperAll.set_of(LineAddr(u32::MAX), 32), SetIndex(u32::MAX));
+    }
+}
