@@ -29,37 +29,42 @@ impl<const WAYS: usize, const BYTES: usize> L1<WAYS, BYTES> {
     /// An empty cache of `sets` sets.
     ///
     /// # Panics
-    /// If `sets` is not a power of two, or a line has no bytes.
+    /// If `sets` is not a power of two, or a line is of less than two bytes: the number of a line
+    /// beyond the address space would need a bit more.
     #[must_use]
     pub fn new(base: HostAddr, sets: usize, policy: Policy) -> Self {
-        assert!(sets.is_power_of_two() && BYTES > 0, "a power of two of sets, and lines of some bytes");
+        assert!(
+            sets.is_power_of_two() && BYTES > 1,
+            "a power of two of sets, and lines of two bytes or more"
+        );
         Self { base, policy, sets: vec![DataSet::empty(policy); sets], hits: 0, misses: 0 }
     }
 
     /// Reads `bytes` at `addr`, line by line, through `port` of the memory `below` where a line is
     /// not here.
     pub fn read(&mut self, below: &mut impl Memory, port: Port, addr: HostAddr, bytes: &mut [u8]) {
-        let Some(mut place) = addr.0.checked_sub(self.base.0).map(|place| place as usize) else {
+        let Some(place) = addr.0.checked_sub(self.base.0) else {
             below.read(port, addr, bytes);
             return;
         };
+        let (mut line, mut offset) = (LineAddr(place / BYTES as u32), place as usize % BYTES);
         let mut rest = bytes;
         while !rest.is_empty() {
-            let (line, offset) = (LineAddr((place / BYTES) as u32), place % BYTES);
             let (now, later) = rest.split_at_mut((BYTES - offset).min(rest.len()));
             now.copy_from_slice(&self.line(below, port, line)[offset..][..now.len()]);
-            place += now.len();
-            rest = later;
+            (line, offset, rest) = (LineAddr(line.0 + 1), 0, later);
         }
     }
 
-    /// The bytes of a line, loaded where it is not here.
-    fn line(&mut self, below: &mut impl Memory, port: Port, line: LineAddr) -> [u8; BYTES] {
+    /// The step: the bytes of a line, loaded through `port` of the memory `below` where it is not
+    /// here. Bytes beyond the end of the address space are zero.
+    #[must_use]
+    pub fn line(&mut self, below: &mut impl Memory, port: Port, line: LineAddr) -> [u8; BYTES] {
         let set = self.index_of(line);
-        let first = u64::from(self.base.0) + u64::from(line.0) * BYTES as u64;
-        let (next, outcome, _) = self.sets[set].access(line, self.policy, || match u32::try_from(first) {
+        let first = Self::first_byte(self.base, line);
+        let before = self.sets[set];
+        let (next, outcome, _) = before.access(line, self.policy, || match u32::try_from(first) {
             Ok(first) => below.fetch(port, HostAddr(first)),
-            // Beyond the end of the address space.
             Err(_) => [0; BYTES],
         });
         self.sets[set] = next;
@@ -70,23 +75,24 @@ impl<const WAYS: usize, const BYTES: usize> L1<WAYS, BYTES> {
         next.bytes[usize::from(outcome.way().0)]
     }
 
+    fn first_byte(base: HostAddr, line: LineAddr) -> u64 {
+        u64::from(base.0) + u64::from(line.0) * BYTES as u64
+    }
+
     fn index_of(&self, line: LineAddr) -> usize {
         Hash::Low.set_of(line, self.sets.len().ilog2()).0 as usize
     }
 
     /// Forgets every line that `len` bytes at `addr` meet.
     pub fn invalidate(&mut self, addr: HostAddr, len: u64) {
-        if len == 0 {
-            return;
-        }
-        let place = |addr: u64| addr.saturating_sub(u64::from(self.base.0));
-        let first = place(u64::from(addr.0)) / BYTES as u64;
-        let end = place(u64::from(addr.0).saturating_add(len)).div_ceil(BYTES as u64);
-        let lines = first..end;
+        let start = u64::from(addr.0);
+        let end = start.saturating_add(len);
         for set in &mut self.sets {
             for way in 0..WAYS {
                 let line = set.set.lines[way];
-                if set.set.resident[way] && lines.contains(&u64::from(line.0)) {
+                let first = Self::first_byte(self.base, line);
+                let meets = start < end && first < end && start < first + BYTES as u64;
+                if set.set.resident[way] && meets {
                     *set = set.invalidate(line).0;
                 }
             }

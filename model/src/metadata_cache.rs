@@ -9,9 +9,8 @@ use crate::data_set::{DataSet, WriteBack};
 use crate::hash::Hash;
 use crate::metadata::{Corrupt, ENTRY_BYTES};
 use crate::set::{Outcome, Policy, Set};
-use crate::units::{LineAddr, SetIndex};
+use crate::units::{LineAddr, SetIndex, Way};
 use crate::vm::{CacheConfig, Metadata};
-use std::ops::RangeInclusive;
 
 /// What went through the metadata cache.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -47,6 +46,8 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize>
 {
     /// Bytes of metadata a set of lines.
     const SET_BYTES: usize = WAYS * ENTRY_BYTES;
+    /// Granules that a set meets at most.
+    const MOST_GRANULES: usize = (Self::SET_BYTES - 1).div_ceil(GRANULE) + 1;
 
     /// The metadata of an empty cache of lines, behind an empty metadata cache of `sets` sets.
     ///
@@ -73,9 +74,11 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize>
         (LineAddr((byte / GRANULE) as u32), byte % GRANULE)
     }
 
-    /// The granules that hold metadata of the set `index`.
-    fn granules_of(index: SetIndex) -> RangeInclusive<u32> {
-        Self::place(index, 0).0.0..=Self::place(index, Self::SET_BYTES - 1).0.0
+    /// The granules that hold metadata of the set `index`, one after another; none for a `k` beyond.
+    fn granule(index: SetIndex, k: usize) -> Option<LineAddr> {
+        let (first, last) = (Self::place(index, 0).0, Self::place(index, Self::SET_BYTES - 1).0);
+        let granule = LineAddr(first.0 + k as u32);
+        (granule.0 <= last.0).then_some(granule)
     }
 
     fn cached(&self, granule: LineAddr) -> usize {
@@ -86,30 +89,33 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize>
     #[must_use]
     pub fn entries(&self, index: SetIndex) -> [[u8; ENTRY_BYTES]; WAYS] {
         let mut entries = [[0; ENTRY_BYTES]; WAYS];
-        for (i, byte) in entries.as_flattened_mut().iter_mut().enumerate() {
-            let (granule, offset) = Self::place(index, i);
-            let cached = &self.cache[self.cached(granule)];
-            *byte = match cached.set.way_of(granule) {
-                Some(way) => cached.bytes[usize::from(way.0)][offset],
-                None => self.card[granule.0 as usize * GRANULE + offset],
-            };
+        for k in 0..Self::MOST_GRANULES {
+            let Some(granule) = Self::granule(index, k) else { break };
+            let cached = self.cache[self.cached(granule)];
+            let mut bytes = [0; GRANULE];
+            match cached.set.way_of(granule) {
+                Some(way) => bytes = cached.bytes[usize::from(way.0)],
+                None => bytes.copy_from_slice(&self.card[granule.0 as usize * GRANULE..][..GRANULE]),
+            }
+            for (i, byte) in entries.as_flattened_mut().iter_mut().enumerate() {
+                let (there, offset) = Self::place(index, i);
+                if there == granule {
+                    *byte = bytes[offset];
+                }
+            }
         }
         entries
     }
 
-    /// Brings a granule into the cache, and edits it there.
-    fn use_granule(&mut self, granule: LineAddr, edit: Option<impl FnOnce(&mut [u8; GRANULE])>) {
+    /// Brings a granule into the cache: the set and the way where it is.
+    fn bring(&mut self, granule: LineAddr) -> (usize, Way) {
         let cached = self.cached(granule);
-        let (mut next, outcome, write_back) = self.cache[cached].access(granule, self.granules, || {
+        let before = self.cache[cached];
+        let (next, outcome, write_back) = before.access(granule, self.granules, || {
             let mut bytes = [0; GRANULE];
             bytes.copy_from_slice(&self.card[granule.0 as usize * GRANULE..][..GRANULE]);
             bytes
         });
-        if let Some(edit) = edit {
-            let mut bytes = next.bytes[usize::from(outcome.way().0)];
-            edit(&mut bytes);
-            next = next.write(outcome.way(), bytes);
-        }
         self.cache[cached] = next;
         if let Some(WriteBack { line, bytes }) = write_back {
             self.card[line.0 as usize * GRANULE..][..GRANULE].copy_from_slice(&bytes);
@@ -117,6 +123,7 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize>
         }
         self.traffic.accesses += 1;
         self.traffic.loads += u64::from(matches!(outcome, Outcome::Miss { .. }));
+        (cached, outcome.way())
     }
 }
 
@@ -125,8 +132,10 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> Metadata<W
 {
     /// Corrupt metadata makes an empty set (VM-14): all that is lost is what the host has too.
     fn load(&mut self, index: SetIndex) -> Set<WAYS> {
-        for granule in Self::granules_of(index) {
-            self.use_granule(LineAddr(granule), None::<fn(&mut [u8; GRANULE])>);
+        for k in 0..Self::MOST_GRANULES {
+            if let Some(granule) = Self::granule(index, k) {
+                self.bring(granule);
+            }
         }
         Set::from_entries(self.entries(index), self.lines).unwrap_or_else(|Corrupt| {
             self.traffic.corrupt += 1;
@@ -137,14 +146,27 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> Metadata<W
     /// A granule is written, and so becomes dirty, only where it changes.
     fn store(&mut self, index: SetIndex, set: &Set<WAYS>) {
         let (old, new) = (self.entries(index), set.to_entries());
+        // Of corrupt metadata all: what a clean granule in the cache holds may not be what is on the
+        // card.
+        let all = Set::from_entries(old, self.lines) == Err(Corrupt);
         let (old, new) = (old.as_flattened(), new.as_flattened());
-        for granule in Self::granules_of(index) {
-            let here = |i: &usize| Self::place(index, *i).0.0 == granule;
-            if (0..Self::SET_BYTES).filter(here).any(|i| old[i] != new[i]) {
-                let edit = |bytes: &mut [u8; GRANULE]| {
-                    (0..Self::SET_BYTES).filter(here).for_each(|i| bytes[Self::place(index, i).1] = new[i]);
-                };
-                self.use_granule(LineAddr(granule), Some(edit));
+        for k in 0..Self::MOST_GRANULES {
+            let Some(granule) = Self::granule(index, k) else { return };
+            let mut needed = all;
+            let mut changed = [None; GRANULE];
+            for (i, byte) in new.iter().enumerate() {
+                let (there, offset) = Self::place(index, i);
+                if there == granule {
+                    changed[offset] = Some(*byte);
+                    needed |= old[i] != *byte;
+                }
+            }
+            if needed {
+                let (cached, way) = self.bring(granule);
+                let before = self.cache[cached];
+                let old = before.bytes[usize::from(way.0)];
+                let bytes = std::array::from_fn(|i| changed[i].unwrap_or(old[i]));
+                self.cache[cached] = before.write(way, bytes);
             }
         }
     }

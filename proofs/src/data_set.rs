@@ -113,6 +113,23 @@ theorems! { "data_set";
         check!(after.is_valid(policy), "{policy:?}: {before:?}, step {step} of {line:?}: {after:?}");
     }
 
+    /// The invariant tells a free way that is dirty, and an illegal set.
+    #["VM-13", unwind 8, covers ["dirty and free", "a line twice"]]
+    fn invariant_rejects_dirty_free_ways(s) {
+        let policy = draw::policy(s);
+        let mut set = data_set::<S, 2, 2>(s, policy)?;
+        let way = usize::from(draw::flag(s, "way 1"));
+        if draw::flag(s, "dirty and free") {
+            (set.set.resident[way], set.dirty[way]) = (false, true);
+            cover!(s, "dirty and free", true);
+        } else {
+            set.set.resident = [true; 2];
+            set.set.lines[1 - way] = set.set.lines[way];
+            cover!(s, "a line twice", true);
+        }
+        check!(!set.is_valid(policy), "{policy:?}: taken for legal: {set:?}");
+    }
+
     /// A set with bytes decides as the set without them: same hit, way and victim.
     #["L1-1", unwind 8, covers ["hit", "miss"]]
     fn data_set_decides_like_the_set(s) {

@@ -118,42 +118,71 @@ pub fn set_of<S: Source, const WAYS: usize>(s: &mut S, policy: Policy) -> Result
     let full = flag(s, "full");
     for way in 0..WAYS {
         set.resident[way] = full || flag(s, "resident");
-        let small = if set.resident[way] { &WORDS[way..=way] } else { &WORDS[..=WAYS] };
+        let small = if set.resident[way] { words(way, 1) } else { words(0, WAYS + 1) };
         set.lines[way] = LineAddr(s.value("line of a way", 0..=u32::MAX, small));
-        if policy == Policy::Plru {
-            set.order[way] = if way == 0 { 0 } else { s.value("bit of the tree", 0..=1, &BYTES[..2]) };
-        }
     }
-    if policy != Policy::Plru {
-        // Every permutation, by exchanging each place with a later one.
-        for place in 0..WAYS {
-            let with =
-                place as u8 + s.value("exchange", 0..=(WAYS - 1 - place) as u8, &BYTES[..WAYS - place]);
-            for later in place..WAYS {
-                let (here, there) = (set.order[place], set.order[later]);
-                if later as u8 == with {
-                    (set.order[place], set.order[later]) = (there, here);
-                }
-            }
-        }
-    }
+    set.order = order(s, policy);
     assume!(set.is_valid(policy));
     Ok(set)
 }
 
-/// Any line. Small scope: those that [`set_of`] puts into a set of `WAYS` ways, and one more.
-pub fn line_of_set<const WAYS: usize>(s: &mut impl Source) -> LineAddr {
-    line(s, &WORDS[..=WAYS])
+/// Any legal management bits.
+#[cfg(not(kani))]
+pub fn order<const WAYS: usize>(s: &mut impl Source, policy: Policy) -> [u8; WAYS] {
+    let mut order = [0; WAYS];
+    if policy == Policy::Plru {
+        for node in 1..WAYS {
+            order[node] = s.value("bit of the tree", 0..=1, &BYTES[..2]);
+        }
+    } else {
+        // Every permutation, by exchanging each place with a later one.
+        for place in 0..WAYS {
+            order[place] = place as u8;
+        }
+        for place in 0..WAYS {
+            let later = (WAYS - 1 - place) as u8;
+            let with = s.value("exchange", 0..=later, &BYTES[..=usize::from(later)]);
+            order.swap(place, place + usize::from(with));
+        }
+    }
+    order
 }
 
-/// Judges a body for sets of 1, 2 and 4 ways.
+/// Any management bits: that they are legal is assumed with the set.
+#[cfg(kani)]
+pub fn order<const WAYS: usize>(s: &mut impl Source, _policy: Policy) -> [u8; WAYS] {
+    let mut order = [0; WAYS];
+    for place in 0..WAYS {
+        order[place] = s.value("management bits", 0..=u8::MAX, &[]);
+    }
+    order
+}
+
+/// Some numbers in a row, for a small scope: of no use to Kani, to which working them out is work.
+pub fn words(first: usize, count: usize) -> &'static [u32] {
+    if cfg!(kani) { &[] } else { &WORDS[first..][..count] }
+}
+
+/// Any line. Small scope: those that [`set_of`] puts into a set of `WAYS` ways, and one more.
+pub fn line_of_set<const WAYS: usize>(s: &mut impl Source) -> LineAddr {
+    line(s, words(0, WAYS + 1))
+}
+
+/// Judges a body for sets of 1, 2 and 4 ways; Kani, of 4: all three together cost it twice the time.
 macro_rules! any_ways {
     ($source:expr, $module:ident::$body:ident) => {
-        match $source.value("log2 ways", 0..=2, &$crate::draw::BYTES[..3]) {
+        match $crate::draw::log2_ways($source) {
+            #[cfg(not(kani))]
             0 => $module::$body::<S, 1>($source)?,
+            #[cfg(not(kani))]
             1 => $module::$body::<S, 2>($source)?,
             _ => $module::$body::<S, 4>($source)?,
         }
     };
 }
 pub(crate) use any_ways;
+
+/// Binary logarithm of the ways that [`any_ways`] judges.
+pub fn log2_ways(s: &mut impl Source) -> u32 {
+    if cfg!(kani) { 2 } else { s.value("log2 ways", 0..=2, &WORDS[..3]) }
+}

@@ -94,7 +94,7 @@ theorems! { "kdtree";
     }
 
     /// A node is read as it was written: axis, split plane and children, or list and count.
-    #["KD-1", unwind 2, covers ["x", "y", "z", "a leaf"]]
+    #["KD-1", unwind 5, covers ["x", "y", "z", "a leaf"]]
     fn node_is_read_as_written(s) {
         let kind = s.value("kind (x, y, z, leaf)", 0..=3, &BYTES[..4]);
         let (first, second) = (s.value("split plane or count", 0..=u32::MAX, &PLANES), s.value("address / 4", 0..=u32::MAX >> 2, &WORDS));
@@ -132,7 +132,7 @@ theorems! { "kdtree";
 
     /// A tree is accepted exactly if the children of each node follow it inside the tree, each node
     /// but the root has one parent, and no path has more inner nodes than the stack has room for.
-    #["KD-2", unwind 6, covers ["accepted", "too deep", "two parents", "no parent", "outside", "before their parent"]]
+    #["KD-2", unwind 7, covers ["accepted", "too deep", "two parents", "no parent", "outside", "before their parent"]]
     fn accepted_is_exactly_what_is_a_tree(s) {
         // Children may begin at each node, and those of the last place end outside.
         let nodes = nodes(s, &WORDS[..=NODES]);
@@ -213,7 +213,7 @@ theorems! { "kdtree";
 
     /// A tree is accepted only if each leaf's list lies inside the lists, also where its end is
     /// beyond 32 bits.
-    #["KD-2", unwind 4, covers ["up to the end", "beyond the end", "no entry", "beyond 32 bits"]]
+    #["KD-2", unwind 5, covers ["up to the end", "beyond the end", "no entry", "beyond 32 bits"]]
     fn accepted_lists_lie_inside_the_lists(s) {
         // Two leaves of which either may be at fault: each is looked at by itself.
         let (first, count) = (s.value("first", 0..=u32::MAX, &ENDS), s.value("count", 0..=u32::MAX, &ENDS));

@@ -1,9 +1,10 @@
 //! Theorems of the first-level caches, alone and in front of the virtual memory (L1-1, L1-2).
 //!
 //! **One witness**, as in [`crate::vm`], and **one step from any consistent state**: a cache of two
-//! sets of two ways. Lines of three bytes, so that they are no power of two, as triangles are not.
-//! What a set of such a cache does is what the sets of the virtual memory do: it is the same code
-//! (`data_set_decides_like_the_set`).
+//! sets of two ways (Kani: one set, since sets know nothing of each other), with lines of three bytes, so that they are no power of two, as triangles are
+//! not. What a set of such a cache does is what the sets of the virtual memory do: it is the same
+//! code (`data_set_decides_like_the_set`). A read is made of steps, one a line
+//! ([`l1_reads_are_made_of_its_lines`]): there one way of one set is enough.
 
 use crate::data_set::data_set;
 use crate::draw::{self, BYTES, WORDS};
@@ -15,8 +16,8 @@ use saarcor_model::l1::L1;
 use saarcor_model::memory::{HostMemory, Memory, Port};
 use saarcor_model::units::{HostAddr, LineAddr};
 
-const WAYS: usize = 2;
-const SETS: usize = 2;
+const SETS: usize = if cfg!(kani) { 1 } else { 2 };
+/// Bytes a line.
 const LINE: usize = 3;
 
 /// The host's memory without a cache.
@@ -29,25 +30,22 @@ impl Memory for Below {
 }
 
 /// Line and offset of the watched byte; none before the cached region.
-fn place(l1: &L1<WAYS, LINE>, watched: &Watched) -> Option<(LineAddr, usize)> {
-    let place = watched.addr.checked_sub(l1.base.0)? as usize;
-    Some((LineAddr((place / LINE) as u32), place % LINE))
+fn place<const WAYS: usize, const LINE: usize>(
+    l1: &L1<WAYS, LINE>,
+    watched: &Watched,
+) -> Option<(LineAddr, usize)> {
+    let place = watched.addr.checked_sub(l1.base.0)?;
+    Some((LineAddr(place / LINE as u32), place as usize % LINE))
 }
 
-/// Where the watched byte lies in the cache, if it does.
-fn cached(l1: &L1<WAYS, LINE>, watched: &Watched) -> Option<(usize, usize, usize)> {
-    let (line, offset) = place(l1, watched)?;
-    let set = line.0 as usize & (l1.sets.len() - 1);
-    let way = l1.sets[set].set.way_of(line)?;
-    Some((set, usize::from(way.0), offset))
-}
-
-/// Any first-level cache in any consistent state: the watched byte, if it is in it, is right.
+/// Any first-level cache from `base` on.
 ///
-/// Small scope: three lines a set, from address 0 or 1 on.
-fn l1<S: Source, const SETS: usize>(s: &mut S, watched: Option<&Watched>) -> Result<L1<WAYS, LINE>, Stop> {
+/// Small scope: three lines a set.
+fn l1<S: Source, const WAYS: usize, const SETS: usize, const LINE: usize>(
+    s: &mut S,
+    base: HostAddr,
+) -> Result<L1<WAYS, LINE>, Stop> {
     let policy = draw::policy(s);
-    let base = HostAddr(s.value("base", 0..=u32::MAX, &WORDS[..2]));
     let mut l1 = L1::new(base, SETS, policy);
     for index in 0..SETS {
         let mut set: DataSet<WAYS, LINE> = data_set::<S, WAYS, LINE>(s, policy)?;
@@ -59,12 +57,58 @@ fn l1<S: Source, const SETS: usize>(s: &mut S, watched: Option<&Watched>) -> Res
         assume!(set.is_valid(policy));
         l1.sets[index] = set;
     }
-    if let Some(watched) = watched
-        && let Some((set, way, offset)) = cached(&l1, watched)
-    {
-        l1.sets[set].bytes[way][offset] = watched.byte;
-    }
     Ok(l1)
+}
+
+/// Makes the watched byte, which lies at this place, right wherever it is in the cache.
+fn put_right<const WAYS: usize, const LINE: usize>(
+    l1: &mut L1<WAYS, LINE>,
+    (line, offset): (LineAddr, usize),
+    watched: &Watched,
+) {
+    for index in 0..l1.sets.len() {
+        let mut set = l1.sets[index];
+        for way in 0..WAYS {
+            if set.set.resident[way] && set.set.lines[way] == line {
+                set.bytes[way][offset] = watched.byte;
+            }
+        }
+        l1.sets[index] = set;
+    }
+}
+
+/// Whether it is.
+fn is_right<const WAYS: usize, const LINE: usize>(
+    l1: &L1<WAYS, LINE>,
+    (line, offset): (LineAddr, usize),
+    watched: &Watched,
+) -> bool {
+    let mut right = true;
+    for index in 0..l1.sets.len() {
+        let set = l1.sets[index];
+        for way in 0..WAYS {
+            let there = set.set.resident[way] && set.set.lines[way] == line;
+            right &= !there || set.bytes[way][offset] == watched.byte;
+        }
+    }
+    right
+}
+
+/// Whether that line is in the cache.
+fn holds<const WAYS: usize, const LINE: usize>(l1: &L1<WAYS, LINE>, line: LineAddr) -> bool {
+    let mut found = false;
+    for index in 0..l1.sets.len() {
+        let set = l1.sets[index];
+        for way in 0..WAYS {
+            found |= set.set.resident[way] && set.set.lines[way] == line;
+        }
+    }
+    found
+}
+
+/// Where the cached region begins. Small scope: address 0 or 1.
+fn base(s: &mut impl Source) -> HostAddr {
+    HostAddr(s.value("base", 0..=u32::MAX, &WORDS[..2]))
 }
 
 /// Any watched byte. Small scope: bytes of lines 0 to 4.
@@ -75,74 +119,72 @@ fn watched(s: &mut impl Source) -> Watched {
 }
 
 theorems! { "l1";
-    /// Every byte read through a first-level cache is the one that lies behind it, also across its
-    /// lines and before its region.
-    // Four bytes meet up to three lines of three.
-    #["L1-1", unwind 12, covers ["found", "loaded", "before the region", "in the second line"]]
-    fn l1_reads_what_lies_behind(s) {
+    /// In any consistent state a line of a first-level cache is what lies behind it, whether it was
+    /// there or not; what the cache holds stays right, and each use is counted as a hit or a miss.
+    #["L1-1", unwind 6, covers ["found", "loaded", "another line", "pushed out"]]
+    fn l1_lines_are_what_lies_behind(s) {
         let watched = watched(s);
-        let mut l1 = l1::<S, SETS>(s, Some(&watched))?;
+        let base = base(s);
+        let mut l1 = l1::<S, 2, SETS, LINE>(s, base)?;
+        let Some(place) = place(&l1, &watched) else { return Ok(()) };
+        put_right(&mut l1, place, &watched);
+        let line = draw::line(s, &WORDS[..6]);
+        // The byte after the last of the last line has a number of its own.
+        assume!(line.0 < u32::MAX / LINE as u32);
+        let (hit, was_there) = (holds(&l1, line), holds(&l1, place.0));
+        cover!(s, "found", hit && line == place.0);
+        cover!(s, "loaded", !hit && line == place.0);
+        cover!(s, "another line", line != place.0 && was_there);
+        let state = shown!(l1.clone());
+        let bytes = l1.line(&mut Below(watched.clone()), Port::Triangle, line);
+        cover!(s, "pushed out", was_there && !holds(&l1, place.0));
+        if line == place.0 {
+            check_eq!(bytes[place.1], watched.byte, "byte {} of {line:?} through {state:?}", place.1);
+        }
+        check!(is_right(&l1, place, &watched), "{line:?} used in {state:?}: byte {} of {:?} in {l1:?}", place.1, place.0);
+        check_eq!((l1.hits, l1.misses), (u64::from(hit), u64::from(!hit)), "{line:?} used in {state:?}");
+        for index in 0..SETS {
+            check!(l1.sets[index].is_valid(l1.policy), "{line:?} used in {state:?}: {l1:?}");
+        }
+    }
+
+    /// A read through a first-level cache is made of its lines: each byte is the one that lies
+    /// behind it, also across lines and before the region.
+    // Four bytes meet up to three lines of three.
+    #["L1-1", unwind 6, covers ["in the cache before", "before the region", "in the second line"]]
+    fn l1_reads_are_made_of_its_lines(s) {
+        let watched = watched(s);
+        let base = base(s);
+        let mut l1 = l1::<S, 1, 1, LINE>(s, base)?;
+        let place = place(&l1, &watched);
+        let there = place.is_some_and(|place| holds(&l1, place.0));
+        if let Some(place) = place {
+            put_right(&mut l1, place, &watched);
+        }
         let back = s.value("bytes before", 0..=3, &WORDS[..4]);
         assume!(watched.addr >= back && watched.addr - back <= u32::MAX - 4);
         let start = HostAddr(watched.addr - back);
-        cover!(s, "found", cached(&l1, &watched).is_some());
-        cover!(s, "loaded", start.0 >= l1.base.0 && cached(&l1, &watched).is_none());
-        cover!(s, "before the region", watched.addr < l1.base.0);
-        cover!(s, "in the second line", place(&l1, &watched).is_some_and(|(_, offset)| start.0 >= l1.base.0 && offset < back as usize));
+        cover!(s, "in the cache before", there && start.0 >= l1.base.0);
+        cover!(s, "before the region", place.is_none());
+        cover!(s, "in the second line", start.0 >= l1.base.0 && place.is_some_and(|place| place.1 < back as usize));
         let state = shown!(l1.clone());
         let mut bytes = [0xff; 4];
         l1.read(&mut Below(watched.clone()), Port::Triangle, start, &mut bytes);
         check_eq!(bytes[back as usize], watched.byte, "byte {back} of 4 at {start:?} through {state:?}");
-        if let Some((set, way, offset)) = cached(&l1, &watched) {
-            check_eq!(l1.sets[set].bytes[way][offset], watched.byte, "in the cache, 4 bytes at {start:?} through {state:?}");
-        }
-    }
-
-    /// Reading other bytes changes no byte that the cache holds.
-    #["L1-1", unwind 12, covers ["kept", "pushed out"]]
-    fn l1_keeps_other_bytes(s) {
-        let watched = watched(s);
-        let mut l1 = l1::<S, SETS>(s, Some(&watched))?;
-        let was_cached = cached(&l1, &watched).is_some();
-        assume!(was_cached);
-        let addr = draw::addr(s, &[0, 2, 4, 9, 13, 16]);
-        let state = shown!(l1.clone());
-        l1.read(&mut Below(watched.clone()), Port::Node, addr, &mut [0]);
-        cover!(s, "kept", cached(&l1, &watched).is_some());
-        cover!(s, "pushed out", cached(&l1, &watched).is_none());
-        if let Some((set, way, offset)) = cached(&l1, &watched) {
-            check_eq!(l1.sets[set].bytes[way][offset], watched.byte, "byte {} after a read at {addr:?} of {state:?}", watched.addr);
-        }
-        for set in &l1.sets {
-            check!(set.is_valid(l1.policy), "a read at {addr:?} of {state:?}: {l1:?}");
-        }
-    }
-
-    /// A read counts each line that it meets once: as a hit if it was there, else as a miss.
-    #["L1-1", unwind 12, covers ["hit", "miss"]]
-    fn l1_counts_each_line(s) {
-        let watched = watched(s);
-        let mut l1 = l1::<S, SETS>(s, Some(&watched))?;
-        assume!(watched.addr >= l1.base.0);
-        let hit = cached(&l1, &watched).is_some();
-        let state = shown!(l1.clone());
-        cover!(s, "hit", hit);
-        cover!(s, "miss", !hit);
-        l1.read(&mut Below(watched.clone()), Port::List, HostAddr(watched.addr), &mut [0]);
-        check_eq!((l1.hits, l1.misses), (u64::from(hit), u64::from(!hit)), "byte {} read from {state:?}", watched.addr);
     }
 
     /// An invalidation of a range forgets every line of the cache that meets it, and no other.
-    #["L1-2", unwind 12, covers ["in the range", "beside it", "before the region"]]
+    #["L1-2", unwind 5, covers ["in the range", "beside it", "before the region"]]
     fn l1_invalidation_forgets_exactly_the_range(s) {
-        let mut l1 = l1::<S, SETS>(s, None)?;
+        let base = base(s);
+        let mut l1 = l1::<S, 2, SETS, LINE>(s, base)?;
         let (addr, len) = (draw::addr(s, &[0, 1, 3, 5, 8]), s.value("bytes", 0..=u64::MAX, &[0, 1, 3, 4, u64::MAX]));
         let state = l1.clone();
         l1.invalidate(addr, len);
         cover!(s, "before the region", addr.0 < l1.base.0);
         let (start, end) = (u64::from(addr.0), u64::from(addr.0).saturating_add(len));
         for set in 0..SETS {
-            for way in 0..WAYS {
+            for way in 0..2 {
                 let (was, is) = (state.sets[set].set, l1.sets[set].set);
                 let first = u64::from(l1.base.0) + u64::from(was.lines[way].0) * LINE as u64;
                 let meets = start < end && first < end && start < first + LINE as u64;
@@ -154,31 +196,28 @@ theorems! { "l1";
         }
     }
 
-    /// A first-level cache in front of the virtual memory is transparent: every byte read is the
-    /// host's, also after the host has written and both levels have forgotten, the virtual memory
-    /// first.
-    #["L1-2", unwind 12, covers ["in both", "in the first level alone", "in the virtual memory alone", "written"]]
+    /// A first-level cache in front of the virtual memory stays transparent when the host writes and
+    /// both levels forget, the virtual memory first: neither holds the old byte, and what is read
+    /// next is the new one.
+    #["L1-2", unwind 5, covers ["in both", "in the first level alone", "in the virtual memory alone"]]
     fn l1_over_virtual_memory_is_transparent(s) {
-        let mut memory = vm::memory(s, &WORDS[..2])?;
-        let mut l1 = l1::<S, 1>(s, Some(&memory.host))?;
-        let in_l1 = cached(&l1, &memory.host).is_some();
-        let line = memory.directory.config.geometry.line_of(HostAddr(memory.host.addr));
-        let set = memory.directory.config.set_of(line);
-        let in_l2 = memory.directory.sets()[set.0 as usize].way_of(line).is_some();
+        let mut memory = vm::memory::<S, 1, 1>(s, &WORDS[..2])?;
+        // Lines of two bytes, as the virtual memory has.
+        let mut l1 = l1::<S, 1, 1, 2>(s, HostAddr(0))?;
+        let addr = HostAddr(memory.host.addr);
+        let place = (LineAddr(addr.0 / 2), addr.0 as usize % 2);
+        put_right(&mut l1, place, &memory.host);
+        let in_l1 = holds(&l1, place.0);
+        let in_l2 = memory.directory.sets()[0].way_of(place.0).is_some();
         cover!(s, "in both", in_l1 && in_l2);
         cover!(s, "in the first level alone", in_l1 && !in_l2);
         cover!(s, "in the virtual memory alone", !in_l1 && in_l2);
-        let write = draw::flag(s, "write");
-        let addr = HostAddr(memory.host.addr);
-        if write {
-            cover!(s, "written", in_l1 && in_l2);
-            memory.host.byte = s.value("byte written", 0..=u8::MAX, &BYTES[2..3]);
-            memory.invalidate(addr, 1);
-            l1.invalidate(addr, 1);
-        }
+        memory.host.byte = s.value("byte written", 0..=u8::MAX, &BYTES[2..3]);
+        memory.invalidate(addr, 1);
+        l1.invalidate(addr, 1);
         let state = shown!((l1.clone(), memory.clone()));
-        let mut byte = [0xff];
-        l1.read(&mut memory, Port::Shading, addr, &mut byte);
-        check_eq!(byte[0], memory.host.byte, "{addr:?}, write: {write}, through {state:?}");
+        check!(!holds(&l1, place.0), "{addr:?} written: {l1:?}");
+        let bytes = l1.line(&mut memory, Port::Shading, place.0);
+        check_eq!(bytes[place.1], memory.host.byte, "{addr:?} written, through {state:?}");
     }
 }

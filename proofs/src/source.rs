@@ -164,7 +164,8 @@ pub struct Theorem {
 /// Declares the theorems of a unit: each a documentation comment, which is what the theorem says,
 /// its requirement, Kani's unwind bound, its covers, and its body.
 ///
-/// An unwind bound is more than the longest loop's turns; Kani tells when it is too low.
+/// An unwind bound is more than the longest loop's turns, and than the covers, of which there is a
+/// loop too; Kani tells when it is too low.
 #[macro_export]
 macro_rules! theorems {
     ($unit:literal; $(
@@ -201,6 +202,7 @@ macro_rules! theorems {
             $(
                 #[cfg_attr(not(kani_stub), kani::proof, kani::unwind($unwind))]
                 fn $name() {
+                    const { assert!($unwind > [$($cover),+].len(), "Kani's loop over the covers") };
                     // Constants: Kani shall not work them out.
                     let labels = const { [$($crate::source::Label::new($cover)),+] };
                     let mut symbols = $crate::kani_source::Symbols::new(labels);

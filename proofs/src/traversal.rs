@@ -208,7 +208,7 @@ theorems! { "traversal";
     /// However deep the tree: after a step down, or on from a leaf, the parts put off are still all
     /// leaves that are not yet visited, near before far, and the stack has room for all that is
     /// below.
-    #["KD-4", unwind 5, covers ["step to one child", "step to both", "on from a leaf", "the last leaf", "a full stack"]]
+    #["KD-4", unwind 6, covers ["step to one child", "step to both", "on from a leaf", "the last leaf", "a full stack"]]
     fn step_keeps_the_rest_of_the_walk(s) {
         // The induction step to the theorem before: leaves are numbered in the order of the walk,
         // and so the walk is right exactly if it comes to them one after another. What a step does
@@ -271,7 +271,7 @@ theorems! { "traversal";
 
     /// A packet visits a child exactly if one of its rays meets it, and first the one at whose side
     /// the ray comes in that decides.
-    #["KD-3", unwind 2, covers ["below", "above", "both, upwards", "both, downwards"]]
+    #["KD-3", unwind 5, covers ["below", "above", "both, upwards", "both, downwards"]]
     fn children_visited_are_those_met(s) {
         let (below, above) = (draw::flag(s, "meets the one below"), draw::flag(s, "meets the one above"));
         let downwards = draw::flag(s, "downwards");
@@ -292,7 +292,7 @@ theorems! { "traversal";
     /// No part of a ray is lost at a node, whatever the plane's distance: what lies in the cell lies
     /// in the child below, in the one above, or in both; and so a ray that meets a cell meets a
     /// child.
-    #["KD-3", unwind 2, covers ["below alone", "above alone", "both", "NaN", "infinite"]]
+    #["KD-3", unwind 6, covers ["below alone", "above alone", "both", "NaN", "infinite"]]
     fn no_part_of_a_ray_is_lost(s) {
         let plane = plane(s);
         let cell = meeting(s)?;
@@ -310,7 +310,7 @@ theorems! { "traversal";
     /// A child is visited where the ray meets it: the child on the near side has the ray from the
     /// cell's beginning on, up to the greatest distance of the plane or the cell's end; the one on
     /// the far side up to the cell's end, from the least distance or the cell's beginning on.
-    #["KD-3", unwind 2, covers ["the plane cuts the ray", "the plane lies behind", "the plane lies before"]]
+    #["KD-3", unwind 4, covers ["the plane cuts the ray", "the plane lies behind", "the plane lies before"]]
     fn children_have_their_side_of_the_plane(s) {
         // Both ends are enough for all between, since no end is cut off by both of two numbers.
         let plane = plane(s);
@@ -328,7 +328,7 @@ theorems! { "traversal";
     /// A child is not visited for more of a ray than its cell has of it: both children's intervals
     /// lie in the cell's, the near one's ends at the greatest distance of the plane at last, and the
     /// far one's begins at the least at first.
-    #["KD-3", unwind 2, covers ["misses the far child", "misses the near child", "meets both"]]
+    #["KD-3", unwind 4, covers ["misses the far child", "misses the near child", "meets both"]]
     fn children_have_no_more_than_their_side(s) {
         let plane = plane(s);
         let (enter, leave) = interval(s)?;
@@ -348,7 +348,7 @@ theorems! { "traversal";
 
     /// What of a ray lies in one child alone is nearer in the child that is visited first: the one
     /// above where the ray goes downwards, else the one below.
-    #["KD-4", unwind 2, covers ["upwards", "downwards"]]
+    #["KD-4", unwind 3, covers ["upwards", "downwards"]]
     fn first_child_is_the_near_one(s) {
         let plane = plane(s);
         let cell = meeting(s)?;
@@ -367,7 +367,7 @@ theorems! { "traversal";
     }
 
     /// A ray in the split plane, whose distance is NaN, keeps its whole interval in both children.
-    #["KD-3", unwind 2, covers ["upwards", "downwards", "an empty interval"]]
+    #["KD-3", unwind 4, covers ["upwards", "downwards", "an empty interval"]]
     fn ray_in_the_plane_goes_to_both_children(s) {
         let (enter, leave) = (float(s, "bits of enter"), float(s, "bits of leave"));
         let downwards = draw::flag(s, "downwards");
@@ -382,7 +382,7 @@ theorems! { "traversal";
     /// A ray parallel to the split plane, whose distance is infinite, stays as it is on the side on
     /// which it is, and does not meet the other: below the plane where distance and direction have
     /// one sign, else above.
-    #["KD-3", unwind 2, covers ["below, upwards", "below, downwards", "above, upwards", "above, downwards"]]
+    #["KD-3", unwind 5, covers ["below, upwards", "below, downwards", "above, upwards", "above, downwards"]]
     fn parallel_ray_stays_on_its_side(s) {
         let cell = meeting(s)?;
         let (negative, downwards) = (draw::flag(s, "distance is negative"), draw::flag(s, "downwards"));
@@ -403,7 +403,7 @@ theorems! { "traversal";
 
     /// Widening gives two distances in order; they are NaN exactly if the plane's distance is, and
     /// infinite on its side if it is.
-    #["KD-3", unwind 2, covers ["positive", "negative", "zero", "NaN", "infinite"]]
+    #["KD-3", unwind 6, covers ["positive", "negative", "zero", "NaN", "infinite"]]
     fn widened_distances_are_in_order(s) {
         // That they enclose the distance is more than a prover of bits can say of two products in
         // a minute: tests/traversal.rs tries the floats. Here is what the theorems above assume.
@@ -421,7 +421,7 @@ theorems! { "traversal";
 
     /// A ray goes downwards along an axis exactly if its direction has the sign of a negative
     /// number there, −0.0 included.
-    #["KD-3", unwind 2, covers ["upwards", "downwards", "0.0", "-0.0"]]
+    #["KD-3", unwind 5, covers ["upwards", "downwards", "0.0", "-0.0"]]
     fn sign_of_the_direction_decides_what_is_downwards(s) {
         let direction = f32::from_bits(s.value("bits of the direction", 0..=u32::MAX, &EXPONENTS));
         assume!(direction.is_finite());
@@ -435,7 +435,7 @@ theorems! { "traversal";
 
     /// The lesser and the greater of two numbers are on their side of both; where neither is less,
     /// as with NaN and with zeros, they are the second.
-    #["KD-3", unwind 2, covers ["the first is less", "the second is less", "equal", "the first is NaN", "the second is NaN"]]
+    #["KD-3", unwind 6, covers ["the first is less", "the second is less", "equal", "the first is NaN", "the second is NaN"]]
     fn lesser_and_greater_keep_the_second_beside_nan(s) {
         let (a, b) = (float(s, "bits of the first"), float(s, "bits of the second"));
         cover!(s, "the first is less", a < b);
@@ -453,7 +453,7 @@ theorems! { "traversal";
 
     /// A hit cuts off what lies behind it and nothing else, for its own ray alone: a hit of which no
     /// ray wants a nearer one, at minus infinity, ends the ray.
-    #["KD-4", unwind 3, covers ["before the hit", "behind the hit", "any hit"]]
+    #["KD-4", unwind 4, covers ["before the hit", "behind the hit", "any hit"]]
     fn hits_cut_off_what_lies_behind(s) {
         // Two rays: the hit's own, and another.
         let (enter, leave) = interval(s)?;

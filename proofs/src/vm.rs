@@ -3,7 +3,11 @@
 //! **One witness.** One arbitrary byte of the host is watched, and one word remembers what it
 //! holds; of the rest of the host nothing is known. What holds of an arbitrary byte holds of all.
 //!
-//! **One step from any consistent state.** A card of two sets of two ways, with lines of two
+//! **One step from any consistent state.** A state is consistent if what is on the card is the
+//! host's. Every step keeps that, and in every such state a read returns the host's byte: reads
+//! (`reads_keep_the_card_the_hosts`), host writes followed by their invalidation
+//! (`host_writes_and_invalidation_keep_the_card_the_hosts`), and invalidations by themselves, which
+//! only forget lines (`invalidation_forgets_exactly_the_range`). A card of two sets of two ways, with lines of two
 //! bytes, is enough: an access reads and changes one set ([`access_changes_one_set`]), sets know
 //! nothing of each other, and the theorems of the set speak of more ways. Two sets, so that a wrong
 //! set shows; two bytes, so that a wrong offset does.
@@ -19,18 +23,17 @@ use saarcor_model::units::{Bytes, HostAddr, LineAddr, SetIndex, Way};
 use saarcor_model::vm::{CacheConfig, Counters, Directory, VirtualMemory};
 use std::cell::Cell;
 
-/// Ways, sets and bytes a line of the card that the theorems speak of.
-pub const WAYS: usize = 2;
+/// Ways, sets and bytes a line of the card that the theorems of this unit speak of.
+const WAYS: usize = 2;
 const SETS: usize = 2;
 const LINE: usize = 2;
 
-/// Any configuration of that card, without the hash or with one fold of it: that every fold
-/// names a set too is a theorem of the hash, and what is done with the set is the same.
-pub fn config<S: Source>(s: &mut S) -> Result<CacheConfig, Stop> {
-    let hash = if draw::flag(s, "hash: add-upper") { Hash::AddUpper } else { Hash::Low };
+/// Any configuration of a card of that many sets, with the standard hash: that the others name a set too is a
+/// theorem of the hash, and what is done with the set is the same.
+pub fn config<S: Source, const WAYS: usize, const SETS: usize>(s: &mut S) -> Result<CacheConfig, Stop> {
     let policy = draw::policy(s);
     match Geometry::new(Bytes((WAYS * SETS * LINE) as u64), Bytes(LINE as u64), WAYS as u32) {
-        Ok(geometry) => Ok(CacheConfig { geometry, hash, policy }),
+        Ok(geometry) => Ok(CacheConfig { geometry, hash: Hash::AddUpper, policy }),
         Err(_) => Err(Stop::Vacuous),
     }
 }
@@ -38,7 +41,11 @@ pub fn config<S: Source>(s: &mut S) -> Result<CacheConfig, Stop> {
 /// Any legal state of the sets: every resident line lies in its own set.
 ///
 /// Small scope: the lines of `small`.
-fn sets<S: Source>(s: &mut S, config: &CacheConfig, small: &'static [u32]) -> Result<Vec<Set<WAYS>>, Stop> {
+fn sets<S: Source, const WAYS: usize, const SETS: usize>(
+    s: &mut S,
+    config: &CacheConfig,
+    small: &'static [u32],
+) -> Result<Vec<Set<WAYS>>, Stop> {
     let mut sets = vec![Set::empty(config.policy); SETS];
     for (index, set) in sets.iter_mut().enumerate() {
         for way in 0..WAYS {
@@ -48,24 +55,20 @@ fn sets<S: Source>(s: &mut S, config: &CacheConfig, small: &'static [u32]) -> Re
                 assume!(config.set_of(set.lines[way]) == SetIndex(index as u32));
             }
         }
-        if draw::flag(s, "second way first") {
-            set.order = if config.policy == saarcor_model::set::Policy::Plru { [0, 1] } else { [1, 0] };
-        }
+        set.order = draw::order(s, config.policy);
         assume!(set.is_valid(config.policy));
     }
     Ok(sets)
 }
 
-/// Any directory. Small scope: the lines 0 to 5, three or so a set: one more than there are ways.
-pub fn directory<S: Source>(s: &mut S) -> Result<Directory<WAYS>, Stop> {
-    directory_of(s, &WORDS[..6])
-}
-
-/// Any directory. Small scope: the lines of `small`.
-fn directory_of<S: Source>(s: &mut S, small: &'static [u32]) -> Result<Directory<WAYS>, Stop> {
-    let config = config(s)?;
+/// Any directory. Small scope: the lines of `small`; three a set are one more than there are ways.
+pub fn directory<S: Source, const WAYS: usize, const SETS: usize>(
+    s: &mut S,
+    small: &'static [u32],
+) -> Result<Directory<WAYS>, Stop> {
+    let config = config::<S, WAYS, SETS>(s)?;
     let mut directory = Directory::new(config);
-    directory.metadata.sets = sets(s, &config, small)?;
+    directory.metadata.sets = sets::<S, WAYS, SETS>(s, &config, small)?;
     Ok(directory)
 }
 
@@ -101,8 +104,8 @@ impl HostMemory for Watched {
     fn read(&self, addr: HostAddr, bytes: &mut [u8]) {
         self.reads.set(self.reads.get() + 1);
         self.moved.set(self.moved.get() + bytes.len());
-        for (i, byte) in bytes.iter_mut().enumerate() {
-            *byte = if addr.0.wrapping_add(i as u32) == self.addr { self.byte } else { self.other };
+        for i in 0..bytes.len() {
+            bytes[i] = if addr.0.wrapping_add(i as u32) == self.addr { self.byte } else { self.other };
         }
     }
 }
@@ -119,7 +122,7 @@ pub fn watched(s: &mut impl Source) -> Watched {
 }
 
 /// Where the watched byte lies on the card, if it does.
-fn on_card(memory: &VirtualMemory<Watched, WAYS>) -> Option<usize> {
+fn on_card<const WAYS: usize>(memory: &VirtualMemory<Watched, WAYS>) -> Option<usize> {
     let config = memory.directory.config;
     let addr = HostAddr(memory.host.addr);
     let (line, set) = (config.geometry.line_of(addr), config.set_of(config.geometry.line_of(addr)));
@@ -129,12 +132,14 @@ fn on_card(memory: &VirtualMemory<Watched, WAYS>) -> Option<usize> {
 
 /// Any virtual memory in any consistent state: the watched byte, if it is on the card, is right
 /// there. Small scope: the lines of `small`.
-pub fn memory<S: Source>(s: &mut S, small: &'static [u32]) -> Result<VirtualMemory<Watched, WAYS>, Stop> {
-    let directory = directory_of(s, small)?;
+pub fn memory<S: Source, const WAYS: usize, const SETS: usize>(
+    s: &mut S,
+    small: &'static [u32],
+) -> Result<VirtualMemory<Watched, WAYS>, Stop> {
+    let directory = directory::<S, WAYS, SETS>(s, small)?;
     let mut memory = VirtualMemory::new(directory, watched(s));
-    for byte in &mut memory.card {
-        *byte = s.value("byte on the card", 0..=u8::MAX, &BYTES[..1]);
-    }
+    let bytes: [u8; 8] = s.value("bytes on the card", 0..=u64::MAX, &[0]).to_le_bytes();
+    memory.card = bytes[..WAYS * SETS * LINE].to_vec();
     if let Some(place) = on_card(&memory) {
         memory.card[place] = memory.host.byte;
     }
@@ -152,49 +157,58 @@ fn len(s: &mut impl Source) -> u64 {
 }
 
 theorems! { "vm";
-    /// Every byte read is the host's, and stays so: through accesses, evictions, invalidations,
-    /// and host writes followed by their invalidation.
-    #["VM-9", unwind 12, covers ["read from the card", "read from the host", "pushed out", "written", "written while on the card", "invalidated"]]
+    /// In any consistent state a byte read is the host's, whether its line is on the card or not.
+    #["VM-9", unwind 5, covers ["read from the card", "read from the host"]]
     fn reads_return_the_hosts_bytes(s) {
-        let mut memory = memory(s, &WORDS[..6])?;
-        let step = s.value("step (read, invalidate, write)", 0..=2, &BYTES[..3]);
-        let was_on_card = on_card(&memory).is_some();
-        match step {
-            0 => {
-                let addr = addr(s);
-                let mut byte = [0];
-                memory.read_in_line(addr, &mut byte);
-                cover!(s, "pushed out", was_on_card && on_card(&memory).is_none());
-            }
-            1 => {
-                let (addr, len) = (addr(s), len(s));
-                memory.invalidate(addr, len);
-                cover!(s, "invalidated", was_on_card && on_card(&memory).is_none());
-            }
-            _ => {
-                memory.host.byte = s.value("byte written", 0..=u8::MAX, &BYTES[2..3]);
-                memory.invalidate(HostAddr(memory.host.addr), 1);
-                cover!(s, "written", true);
-                cover!(s, "written while on the card", was_on_card);
-            }
-        }
+        let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
         let state = shown!(memory.clone());
-        if let Some(place) = on_card(&memory) {
-            check_eq!(memory.card[place], memory.host.byte, "after step {step}: byte {place} of the card of {state:?}");
-        }
         let mut byte = [0xff];
         let outcome = memory.read_in_line(HostAddr(memory.host.addr), &mut byte);
         cover!(s, "read from the card", matches!(outcome, Outcome::Hit { .. }));
         cover!(s, "read from the host", matches!(outcome, Outcome::Miss { .. }));
-        check_eq!(byte[0], memory.host.byte, "after step {step}: byte {} read from {state:?}", memory.host.addr);
+        check_eq!(byte[0], memory.host.byte, "byte {} read from {state:?}", memory.host.addr);
+    }
+
+    /// Whatever byte is read, and whatever line is loaded and pushed out for it, what is on the card
+    /// stays the host's.
+    #["VM-9", unwind 5, covers ["pushed out", "loaded", "stays"]]
+    fn reads_keep_the_card_the_hosts(s) {
+        let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
+        let before = shown!(memory.clone());
+        let was_on_card = on_card(&memory).is_some();
+        let addr = addr(s);
+        memory.read_in_line(addr, &mut [0]);
+        let now_on_card = on_card(&memory);
+        cover!(s, "pushed out", was_on_card && now_on_card.is_none());
+        cover!(s, "loaded", !was_on_card && now_on_card.is_some());
+        cover!(s, "stays", was_on_card && now_on_card.is_some());
+        if let Some(place) = now_on_card {
+            check_eq!(memory.card[place], memory.host.byte, "{addr:?} read from {before:?}: byte {place} of the card");
+        }
+    }
+
+    /// After the host has written a byte and it was invalidated, it is not on the card: what is on
+    /// the card stays the host's. The rest of the card stays as it was.
+    #["VM-9", unwind 5, covers ["written while on the card", "written while not"]]
+    fn host_writes_and_invalidation_keep_the_card_the_hosts(s) {
+        let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
+        let before = memory.card.clone();
+        let was_on_card = on_card(&memory).is_some();
+        cover!(s, "written while on the card", was_on_card);
+        cover!(s, "written while not", !was_on_card);
+        memory.host.byte = s.value("byte written", 0..=u8::MAX, &BYTES[2..3]);
+        memory.invalidate(HostAddr(memory.host.addr), 1);
+        check_eq!(on_card(&memory), None, "byte {} of {memory:?}", memory.host.addr);
+        let place = s.value("byte on the card", 0..=7, &BYTES[..8]);
+        check_eq!(memory.card[usize::from(place)], before[usize::from(place)], "byte {place} of {memory:?}");
     }
 
     /// A read that straddles lines returns the host's byte at each place, and zero beyond the end
     /// of the address space.
     // Four bytes meet up to three lines of two.
-    #["VM-10", unwind 12, covers ["in the second line", "beyond the end"]]
+    #["VM-10", unwind 5, covers ["in the second line", "beyond the end"]]
     fn reads_across_lines_return_the_hosts_bytes(s) {
-        let mut memory = memory(s, &WORDS[..6])?;
+        let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
         let addr = s.value("address", 0..=u32::MAX, &[0, 1, 2, 3, 8, u32::MAX - 1, u32::MAX]);
         let place = s.value("place", 0..=3, &BYTES[..4]);
         let state = shown!(memory.clone());
@@ -215,9 +229,9 @@ theorems! { "vm";
     }
 
     /// An access changes no set but that of its line.
-    #["VM-6", unwind 12, covers ["set 0", "set 1"]]
+    #["VM-6", unwind 5, covers ["set 0", "set 1"]]
     fn access_changes_one_set(s) {
-        let mut directory = directory(s)?;
+        let mut directory = directory::<S, WAYS, SETS>(s, &WORDS[..6])?;
         let line = draw::line(s, &WORDS[..7]);
         let before = directory.clone();
         directory.access(line);
@@ -230,9 +244,9 @@ theorems! { "vm";
     }
 
     /// An access to the whole cache is the step of its line's set.
-    #["VM-6", unwind 12, covers ["hit", "miss"]]
+    #["VM-6", unwind 5, covers ["hit", "miss"]]
     fn access_is_the_step_of_its_set(s) {
-        let mut directory = directory(s)?;
+        let mut directory = directory::<S, WAYS, SETS>(s, &WORDS[..6])?;
         let line = draw::line(s, &WORDS[..7]);
         let own = directory.config.set_of(line).0 as usize;
         let expected = directory.sets()[own].access(line, directory.config.policy);
@@ -245,9 +259,9 @@ theorems! { "vm";
 
     /// After any access and any invalidation every resident line lies in its own set, and the sets
     /// are legal: never more lines are resident than the memory holds, and none twice.
-    #["VM-5", unwind 12, covers ["access", "invalidation"]]
+    #["VM-5", unwind 5, covers ["access", "invalidation"]]
     fn resident_lines_lie_in_their_sets(s) {
-        let mut directory = directory(s)?;
+        let mut directory = directory::<S, WAYS, SETS>(s, &WORDS[..6])?;
         let before = shown!(directory.clone());
         let access = draw::flag(s, "access");
         let (addr, len) = (addr(s), len(s));
@@ -262,9 +276,9 @@ theorems! { "vm";
     }
 
     /// Each miss moves exactly one line over the bus, from its first byte on; a hit moves none.
-    #["VM-6", unwind 12, covers ["hit", "miss"]]
+    #["VM-6", unwind 5, covers ["hit", "miss"]]
     fn miss_moves_one_line_and_hit_none(s) {
-        let mut memory = memory(s, &WORDS[..6])?;
+        let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
         let addr = addr(s);
         let state = shown!(memory.clone());
         let mut byte = [0];
@@ -279,9 +293,9 @@ theorems! { "vm";
     }
 
     /// The counters count: each access once, each miss and each eviction where there was one.
-    #["VM-6", unwind 12, covers ["hit", "miss", "eviction"]]
+    #["VM-6", unwind 5, covers ["hit", "miss", "eviction"]]
     fn counters_count_each_access(s) {
-        let mut directory = directory(s)?;
+        let mut directory = directory::<S, WAYS, SETS>(s, &WORDS[..6])?;
         let line = draw::line(s, &WORDS[..7]);
         let before = shown!(directory.clone());
         let outcome = directory.access(line);
@@ -300,9 +314,9 @@ theorems! { "vm";
     /// On a cold cache at least as many lines are loaded as distinct lines are used.
     // Four accesses show the base; that a line which is not resident is loaded, from any state, is
     // `hit_iff_resident`, and carries it to runs of any length.
-    #["VM-6", unwind 12, covers ["four distinct lines", "a line twice", "more loads than lines"]]
+    #["VM-6", unwind 5, covers ["four distinct lines", "a line twice", "more loads than lines"]]
     fn cold_cache_loads_every_distinct_line(s) {
-        let mut directory = Directory::<WAYS>::new(config(s)?);
+        let mut directory = Directory::<WAYS>::new(config::<S, WAYS, SETS>(s)?);
         let mut lines = [LineAddr(0); 4];
         let mut distinct = 0;
         for k in 0..4 {
@@ -323,9 +337,9 @@ theorems! { "vm";
 
     /// An invalidation of a range of bytes forgets every line that meets it, and no other line,
     /// nor the order; it counts the lines that it forgot.
-    #["VM-8", unwind 12, covers ["a line in the range", "a line beside it", "more lines than the cache holds", "none"]]
+    #["VM-8", unwind 5, covers ["a line in the range", "a line beside it", "more lines than the cache holds", "none"]]
     fn invalidation_forgets_exactly_the_range(s) {
-        let mut directory = directory(s)?;
+        let mut directory = directory::<S, WAYS, SETS>(s, &WORDS[..6])?;
         let (addr, len) = (addr(s), len(s));
         let before = directory.clone();
         directory.invalidate(addr, len);
@@ -349,9 +363,9 @@ theorems! { "vm";
     }
 
     /// After a flush no line is resident, the sets are as in a new cache, and the counters go on.
-    #["VM-8", unwind 12, covers ["lines were resident"]]
+    #["VM-8", unwind 5, covers ["lines were resident"]]
     fn flush_forgets_all(s) {
-        let mut directory = directory(s)?;
+        let mut directory = directory::<S, WAYS, SETS>(s, &WORDS[..6])?;
         directory.counters.accesses = 7;
         let before = directory.clone();
         directory.flush();
