@@ -8,7 +8,8 @@
 //!   [`vm`];
 //! * what lies in host memory: [`scene`], [`kdtree`], [`image`];
 //! * the units of a ray tracing pipeline, §2: [`ray`], [`raygen`], [`traversal`],
-//!   [`intersection`], [`shading`], [`rtp`].
+//!   [`intersection`], [`shading`], [`rtp`];
+//! * the same chip in time: [`program`], what the functional run leaves for the timing run.
 //!
 //! The crate is pure: no input or output, no clock, no randomness, no global state.
 //!
@@ -25,6 +26,7 @@ pub mod l1;
 pub mod memory;
 pub mod metadata;
 pub mod metadata_cache;
+pub mod program;
 pub mod ray;
 pub mod raygen;
 pub mod rtp;

@@ -15,12 +15,25 @@ pub enum Port {
     Triangle,
 }
 
+impl Port {
+    /// All ports, each at its own number.
+    pub const ALL: [Self; 4] = [Self::Shading, Self::Node, Self::List, Self::Triangle];
+}
+
 /// What a unit reads from: flat memory, the virtual memory, or caches in front of either.
 ///
 /// Transparency (VM-9) means that no unit can tell which: the bytes are the host's.
 pub trait Memory {
     /// Reads `bytes.len()` bytes at `addr`. Bytes beyond the end of host memory are zero.
     fn read(&mut self, port: Port, addr: HostAddr, bytes: &mut [u8]);
+
+    /// A packet operation of the unit at `port` begins, in which `rays` rays take part. What the
+    /// unit reads before the next one begins belongs to it.
+    ///
+    /// Says what the work costs, and changes no bytes: only a [`Recorder`](crate::program::Recorder)
+    /// listens, and nobody else counts the rays.
+    #[inline]
+    fn issue(&mut self, _port: Port, _rays: impl FnOnce() -> u32) {}
 
     /// Reads `N` bytes at `addr`.
     #[inline]
@@ -35,6 +48,11 @@ impl<M: Memory> Memory for &mut M {
     #[inline]
     fn read(&mut self, port: Port, addr: HostAddr, bytes: &mut [u8]) {
         (**self).read(port, addr, bytes);
+    }
+
+    #[inline]
+    fn issue(&mut self, port: Port, rays: impl FnOnce() -> u32) {
+        (**self).issue(port, rays);
     }
 }
 

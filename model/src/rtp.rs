@@ -2,7 +2,7 @@
 //! core of traversal, list and intersection.
 
 use crate::image::Registers;
-use crate::memory::Memory;
+use crate::memory::{Memory, Port};
 use crate::ray::{Packet, Query, Ray};
 use crate::raygen::{Frame, ray_from_surface};
 use crate::scene::Features;
@@ -73,6 +73,7 @@ impl<const N: usize> Pipeline<N> {
     ) -> [Vec3; N] {
         let packet = frame.primary_packet(packet);
         self.rays.primary += u64::from(packet.active());
+        memory.issue(Port::Shading, || packet.active());
         self.shade(memory, registers, &packet, &[1.0; N], 0)
     }
 
@@ -103,6 +104,7 @@ impl<const N: usize> Pipeline<N> {
                     continue;
                 }
                 self.rays.secondary += u64::from(rays);
+                memory.issue(Port::Shading, || rays);
                 let seen = self.shade(memory, registers, &next, &next_part, bounces + 1);
                 for (lane, surface) in surfaces.iter().enumerate() {
                     if let Some(surface) = surface.filter(|_| next.is_active(lane)) {
@@ -141,6 +143,7 @@ impl<const N: usize> Pipeline<N> {
                 return colours;
             }
             self.rays.shadow += u64::from(rays);
+            memory.issue(Port::Shading, || rays);
             let hits = self.traversal.run(memory, registers, &shadow, Query::Any);
             for (lane, surface) in surfaces.iter().enumerate() {
                 if let Some(surface) = surface.filter(|_| !hits.is_hit(lane)) {

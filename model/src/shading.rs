@@ -55,6 +55,7 @@ pub fn surfaces<const N: usize>(
             continue;
         }
         let triangle = hits.triangle[first];
+        memory.issue(Port::Shading, || hits.triangle.iter().filter(|&&hit| hit == triangle).count() as u32);
         let (record, material) = read_records(memory, registers, HostAddr(triangle));
         for lane in first..N {
             if pending[lane] && hits.triangle[lane] == triangle {

@@ -41,6 +41,17 @@ impl<const N: usize> Intervals<N> {
         any
     }
 
+    /// Number of rays that meet the cell.
+    #[inline]
+    #[must_use]
+    pub fn count(&self) -> u32 {
+        let mut count = 0;
+        for lane in 0..N {
+            count += u32::from(self.enter[lane] <= self.leave[lane]);
+        }
+        count
+    }
+
     /// The first ray that meets the cell.
     #[inline]
     #[must_use]
@@ -245,6 +256,7 @@ impl<const N: usize> Traversal<N> {
                 continue;
             }
             let (list, count) = loop {
+                memory.issue(Port::Node, || at.intervals.count());
                 match NodeRecord::decode(memory.fetch(Port::Node, at.node)) {
                     NodeRecord::Inner { axis, split, below } => {
                         self.descend(packet, &reciprocal, &mut at, axis, split, below);
@@ -253,8 +265,10 @@ impl<const N: usize> Traversal<N> {
                 }
             };
             for entry in 0..count {
+                memory.issue(Port::List, || at.intervals.count());
                 let entry = memory.fetch(Port::List, list.offset(entry * LIST_ENTRY_BYTES));
                 let ListEntry { triangle, tag } = ListEntry::decode(entry);
+                memory.issue(Port::Triangle, || at.intervals.count());
                 Prepared::decode(registers.kernel, tag, memory.fetch(Port::Triangle, triangle))
                     .intersect_packet(
                         triangle.0,

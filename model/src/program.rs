@@ -1,0 +1,116 @@
+//! Programs: what the functional run leaves for the timing run.
+//!
+//! What a packet of rays does and reads does not depend on when the bytes come. So the functional
+//! run writes down the operations of each packet once, and the timing run (`chip`)
+//! plays them against any memory system.
+
+use crate::memory::{Memory, Port};
+use crate::units::HostAddr;
+
+/// One step of a packet: a unit reads, and works for some rays (CH-1). 8 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Operation {
+    /// First byte that is read.
+    pub addr: HostAddr,
+    /// Bytes that are read; 0 where the unit works on what the chip holds already.
+    pub bytes: u16,
+    /// Rays that the unit works for once the bytes are there; 0 where they belong to the work of
+    /// the operation before.
+    pub rays: u8,
+    /// The unit, by its port.
+    pub port: Port,
+}
+
+/// The programs of a picture's packets.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Programs {
+    /// The operations of each packet, in scan order.
+    pub packets: Vec<Box<[Operation]>>,
+    /// Address of the first triangle: where the lines of the triangle cache begin (L1-1).
+    pub triangles: HostAddr,
+}
+
+impl Programs {
+    /// Operations of all packets.
+    #[must_use]
+    pub fn operations(&self) -> u64 {
+        self.packets.iter().map(|packet| packet.len() as u64).sum()
+    }
+}
+
+/// A memory that writes down what is read through it.
+#[derive(Clone, Debug)]
+pub struct Recorder<M> {
+    /// Where the bytes come from.
+    pub below: M,
+    operations: Vec<Operation>,
+    /// An operation that has begun and has read nothing yet.
+    begun: Option<Operation>,
+}
+
+impl<M> Recorder<M> {
+    /// A recorder in front of `below` that has seen nothing.
+    #[must_use]
+    pub fn new(below: M) -> Self {
+        Self { below, operations: Vec::new(), begun: None }
+    }
+
+    /// The operations since the last call: the program of a packet.
+    pub fn take(&mut self) -> Box<[Operation]> {
+        self.operations.extend(self.begun.take());
+        let program = self.operations.as_slice().into();
+        self.operations.clear();
+        program
+    }
+}
+
+impl<M: Memory> Memory for Recorder<M> {
+    #[inline]
+    fn read(&mut self, port: Port, addr: HostAddr, bytes: &mut [u8]) {
+        let rays = self.begun.take().map_or(0, |begun| begun.rays);
+        self.operations.push(Operation { addr, bytes: bytes.len() as u16, rays, port });
+        self.below.read(port, addr, bytes);
+    }
+
+    #[inline]
+    fn issue(&mut self, port: Port, rays: impl FnOnce() -> u32) {
+        self.operations.extend(self.begun.take());
+        self.begun = Some(Operation { addr: HostAddr(0), bytes: 0, rays: rays() as u8, port });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Zeros;
+
+    impl Memory for Zeros {
+        fn read(&mut self, _: Port, _: HostAddr, bytes: &mut [u8]) {
+            bytes.fill(0);
+        }
+    }
+
+    #[test]
+    fn reads_belong_to_the_operation_that_began() {
+        let mut recorder = Recorder::new(Zeros);
+        recorder.issue(Port::Shading, || 64);
+        recorder.issue(Port::Node, || 60);
+        recorder.read(Port::Node, HostAddr(8), &mut [0; 8]);
+        recorder.issue(Port::Shading, || 7);
+        recorder.read(Port::Shading, HostAddr(100), &mut [0; 20]);
+        recorder.read(Port::Shading, HostAddr(4), &mut [0; 4]);
+        recorder.issue(Port::Shading, || 5);
+        let operation = |port, addr, bytes, rays| Operation { addr: HostAddr(addr), bytes, rays, port };
+        let expected = [
+            operation(Port::Shading, 0, 0, 64),
+            operation(Port::Node, 8, 8, 60),
+            operation(Port::Shading, 100, 20, 7),
+            operation(Port::Shading, 4, 4, 0),
+            operation(Port::Shading, 0, 0, 5),
+        ];
+        assert_eq!(*recorder.take(), expected);
+        assert!(recorder.take().is_empty());
+        assert!(size_of::<Operation>() <= 12);
+    }
+}
