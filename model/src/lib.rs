@@ -9,7 +9,8 @@
 //! * what lies in host memory: [`scene`], [`kdtree`], [`image`];
 //! * the units of a ray tracing pipeline, §2: [`ray`], [`raygen`], [`traversal`],
 //!   [`intersection`], [`shading`], [`rtp`];
-//! * the same chip in time: [`program`], what the functional run leaves for the timing run.
+//! * the same chip in time: [`program`], what the functional run leaves for the timing run;
+//!   [`sdram`], [`pci`].
 //!
 //! The crate is pure: no input or output, no clock, no randomness, no global state.
 //!
@@ -26,11 +27,13 @@ pub mod l1;
 pub mod memory;
 pub mod metadata;
 pub mod metadata_cache;
+pub mod pci;
 pub mod program;
 pub mod ray;
 pub mod raygen;
 pub mod rtp;
 pub mod scene;
+pub mod sdram;
 pub mod set;
 pub mod shading;
 pub mod traversal;
