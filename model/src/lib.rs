@@ -10,13 +10,15 @@
 //! * the units of a ray tracing pipeline, §2: [`ray`], [`raygen`], [`traversal`],
 //!   [`intersection`], [`shading`], [`rtp`];
 //! * the same chip in time: [`program`], what the functional run leaves for the timing run;
-//!   [`sdram`], [`pci`].
+//!   [`sdram`], [`pci`], [`chip_config`], [`tags`], [`chip`].
 //!
 //! The crate is pure: no input or output, no clock, no randomness, no global state.
 //!
 //! Fused multiply-add is not used: each `*` and `+` rounds by itself, so that results are the same
 //! on every machine.
 
+pub mod chip;
+pub mod chip_config;
 pub mod data_set;
 pub mod geometry;
 pub mod hash;
@@ -36,6 +38,7 @@ pub mod scene;
 pub mod sdram;
 pub mod set;
 pub mod shading;
+pub mod tags;
 pub mod traversal;
 pub mod units;
 pub mod vm;

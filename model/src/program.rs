@@ -1,7 +1,7 @@
 //! Programs: what the functional run leaves for the timing run.
 //!
 //! What a packet of rays does and reads does not depend on when the bytes come. So the functional
-//! run writes down the operations of each packet once, and the timing run (`chip`)
+//! run writes down the operations of each packet once, and the timing run ([`chip`](crate::chip))
 //! plays them against any memory system.
 
 use crate::memory::{Memory, Port};

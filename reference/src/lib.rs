@@ -9,10 +9,12 @@
 //! | [`flat::FlatMemory`] | that the virtual memory is transparent |
 //! | [`cache::NaiveCache`] | hits, misses, ways, victims and counters |
 //! | [`cache::NaiveVirtualMemory`] | which bytes a unit receives, and as of when |
+//! | [`chip::naive_simulate`] | the chip in time |
 //! | [`search::closest_hit`] | kd-tree traversal |
 //! | [`paper`] | figures, against the published ones |
 
 pub mod cache;
+pub mod chip;
 pub mod flat;
 pub mod paper;
 pub mod search;

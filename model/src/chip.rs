@@ -1,0 +1,946 @@
+//! The chip in time (§2 to §4): programs played against caches, virtual memory, memory chips and
+//! bus, exact to the cycle (CH-1 to CH-20).
+//!
+//! A cycle has eight phases in a fixed order. Each phase decides by what is there, and not by the
+//! order in which it came, wherever nothing else is said; so the result depends on nothing but the
+//! programs and the configuration. Cycles in which no phase has anything to do are left out, and
+//! nothing else is: the naive stepping of the same rules in `reference` takes every cycle.
+
+use crate::chip_config::{CHIP_CACHE_WAYS, ChipConfig, ConfigError, MAX_LATENCY, Version};
+use crate::memory::Port;
+use crate::pci::Pci;
+use crate::program::{Operation, Programs};
+use crate::sdram::{Direction, Sdram, Span};
+use crate::set::Outcome;
+use crate::tags::{Move, Place, Tags, tags};
+use crate::units::{HostAddr, LineAddr};
+use crate::vm::Directory;
+use std::collections::VecDeque;
+
+/// Why a unit that is not busy has nothing to work on while threads of its pipeline want it. The
+/// first that holds for any of them counts (CH-18).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stall {
+    /// The first-level cache is about to answer.
+    LookUp,
+    /// Others use the ports of the first-level cache.
+    Port,
+    /// As many lines are on their way as the first-level cache can wait for.
+    Mshr,
+    /// The on-board memory is about to answer.
+    Memory,
+    /// The host is about to.
+    Host,
+}
+
+impl Stall {
+    /// All of them, the first to count first.
+    pub const ALL: [Self; 5] = [Self::LookUp, Self::Port, Self::Mshr, Self::Memory, Self::Host];
+}
+
+/// What bytes move for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Traffic {
+    /// From the on-board memory to a first-level cache.
+    L1Fill,
+    /// A line from the host, written to the on-board memory.
+    VmFill,
+    /// Metadata of version B, read.
+    MetadataRead,
+    /// Metadata of version B, written back.
+    MetadataWriteBack,
+    /// A line over the bus to the host.
+    Pci,
+}
+
+/// Is told of each transfer of a run.
+pub trait Observer {
+    /// `bytes` move for `traffic` during `span`.
+    fn transfer(&mut self, traffic: Traffic, span: Span, bytes: u64);
+}
+
+/// Nobody listens.
+impl Observer for () {
+    fn transfer(&mut self, _: Traffic, _: Span, _: u64) {}
+}
+
+/// The cycles of all units of one type: `busy + stalls + idle` = cycles × pipelines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct UnitReport {
+    /// Cycles in which rays went in.
+    pub busy: u64,
+    /// Cycles in which threads wanted the unit and none had its bytes, by [`Stall::ALL`].
+    pub stalls: [u64; 5],
+    /// Cycles in which no thread wanted the unit.
+    pub idle: u64,
+    /// Packet operations.
+    pub operations: u64,
+    /// Rays that went in.
+    pub rays: u64,
+}
+
+impl UnitReport {
+    /// Cycles of stalls of all causes.
+    #[must_use]
+    pub fn stalled(&self) -> u64 {
+        self.stalls.iter().sum()
+    }
+}
+
+/// What a cache did: `accesses` = hits + merged + misses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct CacheReport {
+    /// Lines looked up.
+    pub accesses: u64,
+    /// Of these, lines that were on their way already.
+    pub merged: u64,
+    /// Of these, lines that had to be fetched.
+    pub misses: u64,
+}
+
+impl CacheReport {
+    /// Lines that were there.
+    #[must_use]
+    pub fn hits(&self) -> u64 {
+        self.accesses - self.merged - self.misses
+    }
+}
+
+/// What a picture took.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Report {
+    /// Core cycles from the first packet's begin to the last one's end.
+    pub cycles: u64,
+    /// The units, in the order of [`Port::ALL`].
+    pub units: [UnitReport; 4],
+    /// Their first-level caches, in the same order.
+    pub l1: [CacheReport; 4],
+    /// The on-board memory as a cache; without virtual memory, requests that it served.
+    pub l2: CacheReport,
+    /// Bytes that moved on the bus of the on-board memory, whole beats, by [`Traffic`].
+    pub l1_fill_bytes: u64,
+    /// See [`Report::l1_fill_bytes`].
+    pub vm_fill_bytes: u64,
+    /// See [`Report::l1_fill_bytes`].
+    pub metadata_read_bytes: u64,
+    /// See [`Report::l1_fill_bytes`].
+    pub metadata_write_back_bytes: u64,
+    /// Bytes loaded from the host: a line for each miss of `l2`.
+    pub pci_bytes: u64,
+    /// Cycles in which the bus to the host was taken.
+    pub pci_busy: u64,
+}
+
+impl Report {
+    /// Bytes that moved on the bus of the on-board memory: Table 2's Mem.
+    #[must_use]
+    pub fn memory_bytes(&self) -> u64 {
+        self.l1_fill_bytes + self.vm_fill_bytes + self.metadata_read_bytes + self.metadata_write_back_bytes
+    }
+
+    fn moved(&mut self, traffic: Traffic) -> &mut u64 {
+        match traffic {
+            Traffic::L1Fill => &mut self.l1_fill_bytes,
+            Traffic::VmFill => &mut self.vm_fill_bytes,
+            Traffic::MetadataRead => &mut self.metadata_read_bytes,
+            Traffic::MetadataWriteBack => &mut self.metadata_write_back_bytes,
+            Traffic::Pci => &mut self.pci_bytes,
+        }
+    }
+}
+
+/// Plays `programs` on the chip. Its caches hold what the pictures `before` left there (CH-19);
+/// without any, they are empty.
+///
+/// # Errors
+/// If the configuration makes no chip.
+pub fn simulate(
+    before: &[Programs],
+    programs: &Programs,
+    config: &ChipConfig,
+) -> Result<Report, ConfigError> {
+    simulate_observed(before, programs, config, &mut ())
+}
+
+/// [`simulate`], telling `observer` each transfer as soon as its times are known.
+///
+/// # Errors
+/// If the configuration makes no chip.
+pub fn simulate_observed(
+    before: &[Programs],
+    programs: &Programs,
+    config: &ChipConfig,
+    observer: &mut impl Observer,
+) -> Result<Report, ConfigError> {
+    config.check()?;
+    let mut chip = Chip::new(programs, config, observer);
+    before.iter().for_each(|programs| chip.warm(programs));
+    Ok(chip.run())
+}
+
+/// No thread, in a list of threads.
+const NONE: u32 = u32::MAX;
+
+/// What an event means for a thread.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// It waits for bytes, which an event brings.
+    Reading,
+    /// A unit works for it, and an event ends the operation.
+    Working,
+}
+
+struct Thread<'a> {
+    /// What is still to do, the operation at hand first.
+    program: &'a [Operation],
+    /// The first-level line that it waits for, and the last one of the operation.
+    line: u32,
+    last_line: u32,
+    stage: Stage,
+    stall: Stall,
+    /// The next thread that waits for the same line on its way.
+    next: u32,
+}
+
+/// Bits of a counter of threads in [`Unit::waiting`].
+const COUNTER_BITS: u32 = 12;
+
+struct Unit {
+    /// Threads of the pipeline whose bytes are there, and the one served last.
+    ready: u64,
+    last: u32,
+    /// First cycle in which it can take rays.
+    free: u64,
+    /// Threads that wait for bytes for this unit: a counter a cause.
+    waiting: u64,
+    /// The cycles before this one are accounted for.
+    since: u64,
+    report: UnitReport,
+}
+
+impl Unit {
+    /// Accounts for the cycles before `now`, in which nothing changed (CH-18).
+    #[inline]
+    fn settle(&mut self, now: u64) {
+        let free = self.free.clamp(self.since, now);
+        self.report.busy += free - self.since;
+        match self.waiting {
+            0 => self.report.idle += now - free,
+            waiting => self.report.stalls[(waiting.trailing_zeros() / COUNTER_BITS) as usize] += now - free,
+        }
+        self.since = now;
+    }
+}
+
+/// A first-level cache in time. Threads are masks, one a pipeline.
+struct L1 {
+    base: u32,
+    directory: Directory<CHIP_CACHE_WAYS>,
+    /// Pipelines with a thread that asks for a look-up, and the one served last.
+    asking: u64,
+    last: u32,
+    /// The threads that ask, and the one served last, for each pipeline.
+    threads: Vec<u64>,
+    last_thread: Vec<u32>,
+    /// Which registers are taken by lines on their way.
+    taken: u64,
+    on_the_way: Vec<OnTheWay>,
+    /// Threads that wait for a register.
+    parked: Vec<u32>,
+    /// Parts of missed lines that the bus manager has not taken yet.
+    parts: VecDeque<Part>,
+    report: CacheReport,
+}
+
+/// A first-level line on its way.
+#[derive(Clone, Copy, Default)]
+struct OnTheWay {
+    line: u32,
+    /// The first thread that waits.
+    waiter: u32,
+    /// Parts that have not been read from the on-board memory, and of these, those that wait for
+    /// the host.
+    parts: u32,
+    from_host: u32,
+}
+
+impl L1 {
+    /// The register of `line`, if it is on its way.
+    #[inline]
+    fn register_of(&self, line: u32) -> Option<usize> {
+        let mut taken = self.taken;
+        while taken != 0 {
+            let register = taken.trailing_zeros() as usize;
+            if self.on_the_way[register].line == line {
+                return Some(register);
+            }
+            taken &= taken - 1;
+        }
+        None
+    }
+}
+
+/// The part of a first-level line that lies in one line of the virtual memory.
+#[derive(Clone, Copy)]
+struct Part {
+    addr: u32,
+    bytes: u32,
+    cache: u8,
+    register: u8,
+}
+
+/// A part whose tag is known in cycle `ready`.
+struct Tagged {
+    ready: u64,
+    part: Part,
+    line: LineAddr,
+    card: u64,
+    /// Whether this one has its line loaded.
+    loads: bool,
+}
+
+/// A line of the virtual memory on its way, there in cycle `there`.
+struct Loading {
+    line: LineAddr,
+    card: u64,
+    there: u64,
+}
+
+/// Events of the next [`WHEEL`] cycles: for each of these a list of numbers, of threads and then of
+/// units. Each number is in one list at most.
+struct Wheel {
+    first: Vec<u32>,
+    next: Vec<u32>,
+    occupied: [u64; WHEEL / 64],
+}
+
+/// More cycles than lie between an event and its cause: rays of an operation and latency.
+const WHEEL: usize = 2048;
+const _: () = assert!(WHEEL > MAX_LATENCY as usize + u8::MAX as usize);
+
+impl Wheel {
+    fn new(numbers: usize) -> Self {
+        Self { first: vec![NONE; WHEEL], next: vec![NONE; numbers], occupied: [0; WHEEL / 64] }
+    }
+
+    #[inline]
+    fn insert(&mut self, cycle: u64, number: u32) {
+        let slot = cycle as usize % WHEEL;
+        self.next[number as usize] = std::mem::replace(&mut self.first[slot], number);
+        self.occupied[slot / 64] |= 1 << (slot % 64);
+    }
+
+    /// Takes the list of a cycle; [`Wheel::next`] leads on from its first number.
+    #[inline]
+    fn take(&mut self, cycle: u64) -> u32 {
+        let slot = cycle as usize % WHEEL;
+        self.occupied[slot / 64] &= !(1 << (slot % 64));
+        std::mem::replace(&mut self.first[slot], NONE)
+    }
+
+    /// The next cycle from `cycle` on that has events.
+    #[inline]
+    fn upcoming(&self, cycle: u64) -> Option<u64> {
+        let slot = cycle as usize % WHEEL;
+        let here = self.occupied[slot / 64] >> (slot % 64);
+        if here != 0 {
+            return Some(cycle + u64::from(here.trailing_zeros()));
+        }
+        // The rest of the ring, word by word, and at last what of the first word was left out.
+        let words = WHEEL / 64;
+        let to_next_word = 64 - slot as u64 % 64;
+        (0..words as u64).find_map(|i| {
+            let word = self.occupied[(slot / 64 + 1 + i as usize) % words];
+            let found = cycle + to_next_word + 64 * i + u64::from(word.trailing_zeros());
+            (word != 0).then_some(found)
+        })
+    }
+}
+
+/// The member of `mask` that follows `last`, round and round.
+#[inline]
+fn round_robin(mask: u64, last: u32) -> u32 {
+    let above = mask & !(2_u64 << last).wrapping_sub(1);
+    if above != 0 { above.trailing_zeros() } else { mask.trailing_zeros() }
+}
+
+/// In place of the member served last, where none was: the next is the lowest.
+const NOBODY: u32 = 63;
+
+struct Chip<'a, O> {
+    config: &'a ChipConfig,
+    observer: &'a mut O,
+    now: u64,
+    /// Packets not yet begun, in order.
+    packets: std::slice::Iter<'a, Box<[Operation]>>,
+    /// Pipelines with a free thread, and the one that got a packet last.
+    with_free: u64,
+    last_pipeline: u32,
+    /// The free threads of each pipeline.
+    free: Vec<u64>,
+    working: u32,
+    /// Thread `t` of pipeline `p` is at `p · threads + t`, unit `u` at `4 p + u`.
+    threads: Vec<Thread<'a>>,
+    units: Vec<Unit>,
+    /// Pipelines whose unit may take rays in this cycle, by unit.
+    attend: [u64; 4],
+    wheel: Wheel,
+    l1: [L1; 4],
+    /// First-level lines that have left the on-board memory: when they are there, and whose.
+    returning: VecDeque<(u64, u8, u8)>,
+    /// The first-level cache from which the bus manager took a part last.
+    last_cache: u32,
+    tags: Box<dyn Tags>,
+    moves: Vec<Move>,
+    tagged: VecDeque<Tagged>,
+    /// The latest cycle in `tagged` so far.
+    tags_known: u64,
+    loading: VecDeque<Loading>,
+    /// Parts that wait for a line on its way.
+    waiting: Vec<(LineAddr, Part, u64)>,
+    sdram: Sdram,
+    pci: Pci,
+    report: Report,
+}
+
+impl<'a, O: Observer> Chip<'a, O> {
+    fn new(programs: &'a Programs, config: &'a ChipConfig, observer: &'a mut O) -> Self {
+        let (pipelines, threads) = (config.pipelines as usize, config.threads as usize);
+        let l1 = Port::ALL.map(|port| {
+            let l1 = config.l1[port as usize];
+            L1 {
+                base: if port == Port::Triangle { programs.triangles.0 } else { 0 },
+                directory: Directory::new(ChipConfig::chip_cache(l1.sets)),
+                asking: 0,
+                last: NOBODY,
+                threads: vec![0; pipelines],
+                last_thread: vec![NOBODY; pipelines],
+                taken: 0,
+                on_the_way: vec![OnTheWay::default(); l1.mshrs as usize],
+                parked: Vec::with_capacity(pipelines * threads),
+                parts: VecDeque::new(),
+                report: CacheReport::default(),
+            }
+        });
+        let thread = || Thread {
+            program: &[],
+            line: 0,
+            last_line: 0,
+            stage: Stage::Reading,
+            stall: Stall::LookUp,
+            next: NONE,
+        };
+        let unit =
+            || Unit { ready: 0, last: NOBODY, free: 0, waiting: 0, since: 0, report: UnitReport::default() };
+        let all = |count: usize| u64::MAX >> (64 - count);
+        Self {
+            config,
+            observer,
+            now: 0,
+            packets: programs.packets.iter(),
+            with_free: all(pipelines),
+            last_pipeline: NOBODY,
+            free: vec![all(threads); pipelines],
+            working: 0,
+            threads: std::iter::repeat_with(thread).take(pipelines * threads).collect(),
+            units: std::iter::repeat_with(unit).take(4 * pipelines).collect(),
+            attend: [0; 4],
+            wheel: Wheel::new(pipelines * (threads + 4)),
+            l1,
+            returning: VecDeque::new(),
+            last_cache: NOBODY,
+            tags: tags(config),
+            moves: Vec::new(),
+            tagged: VecDeque::new(),
+            tags_known: 0,
+            loading: VecDeque::new(),
+            waiting: Vec::new(),
+            sdram: Sdram::new(config.sdram),
+            pci: Pci::new(config.pci),
+            report: Report::default(),
+        }
+    }
+
+    /// The caches after a picture whose packets are worked on one after the other (CH-19).
+    fn warm(&mut self, programs: &Programs) {
+        let mut moves = Vec::new();
+        for &Operation { addr, bytes, port, .. } in programs.packets.iter().flatten() {
+            if bytes == 0 {
+                continue;
+            }
+            let cache = port as usize;
+            let (first, last) = self.l1_lines(addr, bytes, cache);
+            for line in first..=last {
+                if let Outcome::Miss { .. } = self.l1[cache].directory.access(LineAddr(line)) {
+                    for (addr, _) in self.parts(cache, line) {
+                        self.tags.locate(HostAddr(addr), &mut moves);
+                        moves.clear();
+                    }
+                }
+            }
+        }
+    }
+
+    /// The first and the last first-level line of the bytes that an operation reads.
+    #[inline]
+    fn l1_lines(&self, addr: HostAddr, bytes: u16, cache: usize) -> (u32, u32) {
+        let line = u64::from(self.config.l1[cache].line);
+        let first = u64::from(addr.0.saturating_sub(self.l1[cache].base));
+        ((first / line) as u32, ((first + u64::from(bytes) - 1) / line) as u32)
+    }
+
+    /// Address and size of the parts of a first-level line: one for each line of the virtual memory
+    /// that it meets, and one in all without (CH-12).
+    fn parts(&self, cache: usize, line: u32) -> impl Iterator<Item = (u32, u32)> + use<O> {
+        let bytes = u64::from(self.config.l1[cache].line);
+        let mut addr = u64::from(self.l1[cache].base) + u64::from(line) * bytes;
+        let end = (addr + bytes).min(1 << 32);
+        let vm_line = match self.config.version {
+            Version::None => 1 << 32,
+            Version::A | Version::B => self.config.cache.geometry.line().0,
+        };
+        std::iter::from_fn(move || {
+            let here = end.min((addr / vm_line + 1) * vm_line).checked_sub(addr).filter(|&here| here > 0)?;
+            let part = (addr as u32, here as u32);
+            addr += here;
+            Some(part)
+        })
+    }
+
+    fn run(mut self) -> Report {
+        loop {
+            self.events();
+            self.lines_from_memory();
+            self.line_from_host();
+            self.tags_found();
+            self.hand_out();
+            if self.working == 0 && self.packets.len() == 0 {
+                return self.reported();
+            }
+            self.start_units();
+            self.look_up_lines();
+            self.look_up_tag();
+            self.now = self.upcoming();
+        }
+    }
+
+    fn reported(mut self) -> Report {
+        self.report.cycles = self.now;
+        for (place, unit) in self.units.iter_mut().enumerate() {
+            unit.settle(self.now);
+            let (sum, one) = (&mut self.report.units[place % 4], unit.report);
+            sum.busy += one.busy;
+            sum.idle += one.idle;
+            sum.operations += one.operations;
+            sum.rays += one.rays;
+            sum.stalls.iter_mut().zip(one.stalls).for_each(|(sum, one)| *sum += one);
+        }
+        self.report.l1 = self.l1.map(|l1| l1.report);
+        self.report
+    }
+
+    /// The next cycle in which there is something to do.
+    #[inline]
+    fn upcoming(&self) -> u64 {
+        let next = self.now + 1;
+        let asked = self.l1.iter().any(|l1| l1.asking != 0 || !l1.parts.is_empty());
+        if asked || (self.with_free != 0 && self.packets.len() != 0) {
+            return next;
+        }
+        let tagged = self.tagged.front().map_or(u64::MAX, |tagged| tagged.ready.max(next));
+        let returning = self.returning.front().map_or(u64::MAX, |&(there, ..)| there);
+        let loading = self.loading.front().map_or(u64::MAX, |loading| loading.there);
+        let event = self.wheel.upcoming(next).unwrap_or(u64::MAX);
+        event.min(returning).min(tagged).min(loading)
+    }
+
+    /// Phase 1: units become free, operations end, and first-level caches answer.
+    fn events(&mut self) {
+        let mut number = self.wheel.take(self.now);
+        while number != NONE {
+            let next = self.wheel.next[number as usize];
+            match (number as usize).checked_sub(self.threads.len()) {
+                Some(unit) => self.attend[unit % 4] |= 1 << (unit / 4),
+                None if self.threads[number as usize].stage == Stage::Working => self.end(number),
+                None => self.answer(number),
+            }
+            number = next;
+        }
+    }
+
+    /// Phase 2: lines arrive at first-level caches.
+    fn lines_from_memory(&mut self) {
+        while let Some(&(there, cache, register)) = self.returning.front()
+            && there <= self.now
+        {
+            self.returning.pop_front();
+            let l1 = &mut self.l1[usize::from(cache)];
+            l1.taken &= !(1 << register);
+            let mut thread = l1.on_the_way[usize::from(register)].waiter;
+            while thread != NONE {
+                let next = self.threads[thread as usize].next;
+                self.answer(thread);
+                thread = next;
+            }
+            while let Some(thread) = self.l1[usize::from(cache)].parked.pop() {
+                self.ask(thread);
+            }
+        }
+    }
+
+    /// Phase 3: a line arrives from the host, is written to the card, and then read by the parts
+    /// that wait for it, in their order (CH-15).
+    fn line_from_host(&mut self) {
+        while self.loading.front().is_some_and(|loading| loading.there <= self.now)
+            && let Some(Loading { line, card, .. }) = self.loading.pop_front()
+        {
+            let bytes = self.config.cache.geometry.line().0;
+            self.transfer(Traffic::VmFill, card, bytes);
+            let mut place = 0;
+            while place < self.waiting.len() {
+                if self.waiting[place].0 != line {
+                    place += 1;
+                    continue;
+                }
+                let (_, part, card) = self.waiting.remove(place);
+                let way = self.on_the_way(part);
+                way.from_host -= 1;
+                if way.from_host == 0 {
+                    self.blame(part, Stall::Memory);
+                }
+                self.read_part(part, card);
+            }
+        }
+    }
+
+    /// Phase 4: tags are known, in the order of the look-ups (CH-13, CH-14).
+    fn tags_found(&mut self) {
+        while self.tagged.front().is_some_and(|tagged| tagged.ready <= self.now)
+            && let Some(Tagged { part, line, card, loads, .. }) = self.tagged.pop_front()
+        {
+            let bytes = self.config.cache.geometry.line().0;
+            let Some(loading) = self.loading.iter_mut().find(|loading| loading.line == line) else {
+                self.read_part(part, card);
+                continue;
+            };
+            if loads {
+                let span = self.pci.load(self.now, bytes);
+                loading.there = span.end;
+                *self.report.moved(Traffic::Pci) += bytes;
+                self.report.pci_busy += span.end - span.begin;
+                self.observer.transfer(Traffic::Pci, span, bytes);
+            }
+            self.waiting.push((line, part, card));
+            let way = self.on_the_way(part);
+            way.from_host += 1;
+            if way.from_host == 1 {
+                self.blame(part, Stall::Host);
+            }
+        }
+    }
+
+    /// Phase 5: the ray generation controller hands out one packet (CH-4).
+    fn hand_out(&mut self) {
+        if self.with_free == 0 {
+            return;
+        }
+        let Some(program) = self.packets.next() else { return };
+        let pipeline = round_robin(self.with_free, self.last_pipeline);
+        self.last_pipeline = pipeline;
+        let free = &mut self.free[pipeline as usize];
+        let thread = pipeline * self.config.threads + free.trailing_zeros();
+        *free &= *free - 1;
+        if *free == 0 {
+            self.with_free &= !(1 << pipeline);
+        }
+        self.working += 1;
+        self.threads[thread as usize].program = program;
+        self.begin(thread);
+    }
+
+    /// Phase 6: units that are free take the next packet that is ready (CH-6).
+    fn start_units(&mut self) {
+        for port in 0..4 {
+            let mut attend = std::mem::take(&mut self.attend[port]);
+            while attend != 0 {
+                let pipeline = attend.trailing_zeros();
+                attend &= attend - 1;
+                let place = 4 * pipeline as usize + port;
+                let unit = &mut self.units[place];
+                if unit.ready == 0 || unit.free > self.now {
+                    continue;
+                }
+                unit.settle(self.now);
+                unit.last = round_robin(unit.ready, unit.last);
+                unit.ready &= !(1 << unit.last);
+                let number = pipeline * self.config.threads + unit.last;
+                let thread = &mut self.threads[number as usize];
+                let rays = u32::from(thread.program[0].rays);
+                let config = self.config.units[port];
+                unit.free = self.now + u64::from(rays.div_ceil(config.rays_a_cycle).max(1));
+                unit.report.operations += 1;
+                unit.report.rays += u64::from(rays);
+                thread.stage = Stage::Working;
+                self.wheel.insert(unit.free, (self.threads.len() + place) as u32);
+                self.wheel.insert(unit.free + u64::from(config.latency), number);
+            }
+        }
+    }
+
+    /// Phase 7: the ports of the first-level caches (CH-8).
+    fn look_up_lines(&mut self) {
+        for cache in 0..4 {
+            for _ in 0..self.config.l1[cache].ports {
+                let l1 = &mut self.l1[cache];
+                if l1.asking == 0 {
+                    break;
+                }
+                let pipeline = round_robin(l1.asking, l1.last);
+                l1.last = pipeline;
+                let asking = &mut l1.threads[pipeline as usize];
+                let thread = round_robin(*asking, l1.last_thread[pipeline as usize]);
+                l1.last_thread[pipeline as usize] = thread;
+                *asking &= !(1 << thread);
+                if *asking == 0 {
+                    l1.asking &= !(1 << pipeline);
+                }
+                self.look_up(cache, pipeline * self.config.threads + thread);
+            }
+        }
+    }
+
+    /// A thread's look-up (CH-9 to CH-11).
+    #[inline]
+    fn look_up(&mut self, cache: usize, number: u32) {
+        let l1 = &mut self.l1[cache];
+        let line = self.threads[number as usize].line;
+        let on_its_way = l1.register_of(line);
+        let free = (!l1.taken).trailing_zeros();
+        if on_its_way.is_none() && free >= self.config.l1[cache].mshrs {
+            let index = l1.directory.config.set_of(LineAddr(line));
+            if l1.directory.metadata.sets[index.0 as usize].way_of(LineAddr(line)).is_none() {
+                l1.parked.push(number);
+                self.wait(number, Stall::Mshr);
+                return;
+            }
+        }
+        let outcome = l1.directory.access(LineAddr(line));
+        l1.report.accesses += 1;
+        let register = match (on_its_way, outcome) {
+            (Some(register), _) => {
+                l1.report.merged += 1;
+                register
+            }
+            (None, Outcome::Hit { .. }) => {
+                self.wheel.insert(self.now + u64::from(self.config.l1[cache].latency), number);
+                self.wait(number, Stall::LookUp);
+                return;
+            }
+            (None, Outcome::Miss { .. }) => {
+                l1.report.misses += 1;
+                l1.taken |= 1 << free;
+                let mut way = OnTheWay { line, waiter: NONE, parts: 0, from_host: 0 };
+                for (addr, bytes) in self.parts(cache, line) {
+                    let (cache_number, register) = (cache as u8, free as u8);
+                    self.l1[cache].parts.push_back(Part { addr, bytes, cache: cache_number, register });
+                    way.parts += 1;
+                }
+                self.l1[cache].on_the_way[free as usize] = way;
+                free as usize
+            }
+        };
+        let way = &mut self.l1[cache].on_the_way[register];
+        self.threads[number as usize].next = std::mem::replace(&mut way.waiter, number);
+        let stall = if way.from_host == 0 { Stall::Memory } else { Stall::Host };
+        self.wait(number, stall);
+    }
+
+    /// Phase 8: the bus manager takes one part and looks up its tag (CH-12, CH-13).
+    fn look_up_tag(&mut self) {
+        let asking =
+            (0..4).fold(0, |mask, cache| mask | u64::from(!self.l1[cache].parts.is_empty()) << cache);
+        if asking == 0 {
+            return;
+        }
+        self.last_cache = round_robin(asking, self.last_cache);
+        let Some(part) = self.l1[self.last_cache as usize].parts.pop_front() else { return };
+        let mut moves = std::mem::take(&mut self.moves);
+        let Place { card, missed } = self.tags.locate(HostAddr(part.addr), &mut moves);
+        let mut ready = self.now;
+        let MetadataPlace { begin, granule } = MetadataPlace::of(self.config);
+        for step in moves.drain(..) {
+            let addr = begin + u64::from(step.granule) * granule;
+            match step.direction {
+                Direction::Read => ready = ready.max(self.transfer(Traffic::MetadataRead, addr, granule).end),
+                Direction::Write => {
+                    self.transfer(Traffic::MetadataWriteBack, addr, granule);
+                }
+            }
+        }
+        self.moves = moves;
+        let line = self.config.cache.geometry.line_of(HostAddr(part.addr));
+        if self.config.version != Version::None {
+            ready += u64::from(self.config.tag_latency);
+        }
+        self.tags_known = self.tags_known.max(ready);
+        let on_its_way = self.loading.iter().any(|loading| loading.line == line);
+        let loads = missed && !on_its_way;
+        self.report.l2.accesses += 1;
+        self.report.l2.misses += u64::from(loads);
+        self.report.l2.merged += u64::from(on_its_way);
+        if loads {
+            let begin = card - u64::from(self.config.cache.geometry.offset_of(HostAddr(part.addr)));
+            self.loading.push_back(Loading { line, card: begin, there: u64::MAX });
+        }
+        self.tagged.push_back(Tagged { ready: self.tags_known, part, line, card, loads });
+    }
+
+    /// Moves bytes between the chip and the on-board memory.
+    fn transfer(&mut self, traffic: Traffic, card: u64, bytes: u64) -> Span {
+        let direction = match traffic {
+            Traffic::VmFill | Traffic::MetadataWriteBack => Direction::Write,
+            _ => Direction::Read,
+        };
+        let span = self.sdram.transfer(self.now, card, bytes, direction);
+        let sdram = self.config.sdram;
+        let moved = sdram.beats(card, bytes) * u64::from(sdram.beat_bytes);
+        *self.report.moved(traffic) += moved;
+        self.observer.transfer(traffic, span, moved);
+        span
+    }
+
+    /// Reads a part of a first-level line; with the last one, the line returns (CH-16).
+    fn read_part(&mut self, part: Part, card: u64) {
+        let span = self.transfer(Traffic::L1Fill, card, part.bytes.into());
+        let way = self.on_the_way(part);
+        way.parts -= 1;
+        if way.parts == 0 {
+            let there = (span.end + u64::from(self.config.return_latency)).max(self.now + 1);
+            self.returning.push_back((there, part.cache, part.register));
+        }
+    }
+
+    fn on_the_way(&mut self, part: Part) -> &mut OnTheWay {
+        &mut self.l1[usize::from(part.cache)].on_the_way[usize::from(part.register)]
+    }
+
+    /// The threads that wait for a first-level line now wait because of `stall`.
+    fn blame(&mut self, part: Part, stall: Stall) {
+        let mut thread = self.on_the_way(part).waiter;
+        while thread != NONE {
+            self.go_on(thread);
+            self.wait_anew(thread, stall);
+            thread = self.threads[thread as usize].next;
+        }
+    }
+
+    /// Begins the operation at hand, or ends the packet.
+    fn begin(&mut self, number: u32) {
+        let program = self.threads[number as usize].program;
+        let Some(&Operation { addr, bytes, port, .. }) = program.first() else {
+            let (pipeline, thread) = (number / self.config.threads, number % self.config.threads);
+            self.free[pipeline as usize] |= 1 << thread;
+            self.with_free |= 1 << pipeline;
+            self.working -= 1;
+            return;
+        };
+        if bytes == 0 {
+            self.ready(number);
+            return;
+        }
+        let (first, last) = self.l1_lines(addr, bytes, port as usize);
+        let thread = &mut self.threads[number as usize];
+        (thread.line, thread.last_line) = (first, last);
+        self.wait_anew(number, Stall::Port);
+        self.enter_queue(number);
+    }
+
+    /// A thread that waited asks for its line again.
+    fn ask(&mut self, number: u32) {
+        self.wait(number, Stall::Port);
+        self.enter_queue(number);
+    }
+
+    fn enter_queue(&mut self, number: u32) {
+        let (pipeline, thread) = (number / self.config.threads, number % self.config.threads);
+        let l1 = &mut self.l1[self.threads[number as usize].program[0].port as usize];
+        l1.threads[pipeline as usize] |= 1 << thread;
+        l1.asking |= 1 << pipeline;
+    }
+
+    /// The line that a thread waits for is there (CH-7).
+    #[inline]
+    fn answer(&mut self, number: u32) {
+        let thread = &mut self.threads[number as usize];
+        if thread.line < thread.last_line {
+            thread.line += 1;
+            self.ask(number);
+            return;
+        }
+        let rays = thread.program[0].rays;
+        self.go_on(number);
+        if rays == 0 { self.end(number) } else { self.ready(number) }
+    }
+
+    /// The operation at hand is done.
+    #[inline]
+    fn end(&mut self, number: u32) {
+        let thread = &mut self.threads[number as usize];
+        thread.program = &thread.program[1..];
+        self.begin(number);
+    }
+
+    /// A thread has all that its unit needs.
+    #[inline]
+    fn ready(&mut self, number: u32) {
+        let port = self.threads[number as usize].program[0].port as usize;
+        let pipeline = number / self.config.threads;
+        self.units[4 * pipeline as usize + port].ready |= 1 << (number % self.config.threads);
+        self.attend[port] |= 1 << pipeline;
+    }
+
+    fn unit(&mut self, number: u32) -> &mut Unit {
+        let port = self.threads[number as usize].program[0].port as usize;
+        let pipeline = (number / self.config.threads) as usize;
+        &mut self.units[4 * pipeline + port]
+    }
+
+    /// A thread that waited now waits because of `stall`.
+    #[inline]
+    fn wait(&mut self, number: u32, stall: Stall) {
+        self.go_on(number);
+        self.wait_anew(number, stall);
+    }
+
+    #[inline]
+    fn wait_anew(&mut self, number: u32, stall: Stall) {
+        let now = self.now;
+        let unit = self.unit(number);
+        unit.settle(now);
+        unit.waiting += 1 << (stall as u32 * COUNTER_BITS);
+        let thread = &mut self.threads[number as usize];
+        thread.stall = stall;
+        thread.stage = Stage::Reading;
+    }
+
+    /// A thread waits no more.
+    #[inline]
+    fn go_on(&mut self, number: u32) {
+        let (now, stall) = (self.now, self.threads[number as usize].stall);
+        let unit = self.unit(number);
+        unit.settle(now);
+        unit.waiting -= 1 << (stall as u32 * COUNTER_BITS);
+    }
+}
+
+/// Where version B's metadata lie on the card: behind the lines (CH-17).
+struct MetadataPlace {
+    begin: u64,
+    granule: u64,
+}
+
+impl MetadataPlace {
+    fn of(config: &ChipConfig) -> Self {
+        Self { begin: config.cache.geometry.memory().0, granule: config.metadata_cache.granule.into() }
+    }
+}
