@@ -4,11 +4,14 @@ use crate::limits::check_state;
 use crate::standard;
 use crate::walk::{PacketSize, TraceOptions};
 use crate::world::{World, WorldOptions};
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use saarcor_model::chip_config::{CHIP_CACHE_WAYS, ChipConfig, UNIT_NAMES, Version};
 use saarcor_model::geometry::Geometry;
 use saarcor_model::hash::Hash;
 use saarcor_model::intersection::Kernel;
+use saarcor_model::memory::Port;
+use saarcor_model::pci::PciConfig;
 use saarcor_model::set::Policy;
 use saarcor_model::units::Bytes;
 use saarcor_model::vm::CacheConfig;
@@ -31,6 +34,9 @@ const PACKETS: Choices<PacketSize> = &[
     ("16", PacketSize::Rays16),
     ("64", PacketSize::Rays64),
 ];
+const VERSIONS: Choices<Version> = &[("none", Version::None), ("a", Version::A), ("b", Version::B)];
+const BUSES: Choices<PciConfig> =
+    &[("33x32", PciConfig::BITS_32_AT_33_MHZ), ("66x64", PciConfig::BITS_64_AT_66_MHZ)];
 const WAYS: Choices<u32> = &[("1", 1), ("2", 2), ("4", 4), ("8", 8), ("16", 16)];
 
 /// An argument that is one of `choices`.
@@ -243,6 +249,97 @@ pub fn describe(config: &CacheConfig) -> String {
         name_of(POLICIES, policy),
         geometry.metadata().0 as f64 / 1024.0
     )
+}
+
+/// A size for one type of unit: `list=64KiB`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UnitSize {
+    unit: usize,
+    size: Size,
+}
+
+impl FromStr for UnitSize {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let right = || format!("write UNIT=SIZE with a unit of {}", UNIT_NAMES.join(", "));
+        let (unit, size) = text.split_once('=').ok_or_else(right)?;
+        let unit = UNIT_NAMES.iter().position(|name| *name == unit).ok_or_else(right)?;
+        Ok(Self { unit, size: size.parse()? })
+    }
+}
+
+/// The chip around the virtual memory.
+#[derive(Clone, Debug, clap::Args)]
+pub struct ChipArgs {
+    /// Version of the virtual memory: none, metadata on the chip, or in the on-board memory
+    #[arg(long, value_parser = choice(VERSIONS), default_value = name_of(VERSIONS, &Version::A))]
+    variant: Version,
+    /// Bus to the host: MHz x bits
+    #[arg(long, value_parser = choice(BUSES), default_value = name_of(BUSES, &PciConfig::BITS_32_AT_33_MHZ))]
+    pci: PciConfig,
+    /// Ray tracing pipelines
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    pipelines: u32,
+    /// Threads a pipeline: packets in flight
+    #[arg(long, value_name = "N", default_value_t = 16)]
+    threads_per_rtp: u32,
+    /// Size of the metadata cache of version b
+    #[arg(long, value_name = "SIZE", default_value_t = Size(Bytes(64 << 10)))]
+    metadata_cache: Size,
+    /// Bytes of metadata that are read and written back together
+    #[arg(long, value_name = "SIZE", default_value_t = Size(Bytes(16)))]
+    granule: Size,
+    /// Size of a first-level cache, such as intersection=576KiB [default: the paper's]
+    #[arg(long, value_name = "UNIT=SIZE")]
+    l1: Vec<UnitSize>,
+    /// Line of a first-level cache, such as traversal=64 [default: one item; 64 for shading]
+    #[arg(long, value_name = "UNIT=SIZE")]
+    l1_line: Vec<UnitSize>,
+    /// Look-ups a cycle of each first-level cache
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    l1_ports: u32,
+    /// Lines that can be on their way to each first-level cache at a time
+    #[arg(long, value_name = "N", default_value_t = 16)]
+    mshrs: u32,
+}
+
+impl ChipArgs {
+    /// The chip for a scene, with the virtual memory `cache`. Whether it can be is for
+    /// [`ChipConfig::check`] to say.
+    ///
+    /// # Errors
+    /// If a size is none of its cache.
+    pub fn config(&self, scene: &str, cache: CacheConfig) -> Result<ChipConfig> {
+        let mut config = ChipConfig::standard(self.variant, cache);
+        config.pci = self.pci;
+        config.pipelines = self.pipelines;
+        config.threads = self.threads_per_rtp;
+        let narrow = |what: &str, Size(Bytes(bytes)): Size| {
+            u32::try_from(bytes).map_err(|_| anyhow::anyhow!("{what} of {bytes} bytes: at most 4294967295"))
+        };
+        config.metadata_cache.bytes = narrow("metadata cache", self.metadata_cache)?;
+        config.metadata_cache.granule = narrow("granule", self.granule)?;
+        let mut sizes: [Bytes; 4] = std::array::from_fn(|unit| Bytes(config.l1_bytes(unit)));
+        sizes[Port::Triangle as usize] = standard::triangle_cache(scene);
+        self.l1.iter().for_each(|given| sizes[given.unit] = given.size.0);
+        for given in &self.l1_line {
+            config.l1[given.unit].line = narrow("line of a first-level cache", given.size)?;
+        }
+        for ((l1, Bytes(bytes)), name) in config.l1.iter_mut().zip(sizes).zip(UNIT_NAMES) {
+            (l1.ports, l1.mshrs) = (self.l1_ports, self.mshrs);
+            let set = u64::from(l1.line) * CHIP_CACHE_WAYS as u64;
+            let sets = bytes.checked_div(set).filter(|sets| sets * set == bytes && sets.is_power_of_two());
+            l1.sets = sets.and_then(|sets| u32::try_from(sets).ok()).with_context(|| {
+                format!(
+                    "{name} cache of {} in lines of {}: it must be a power of two of sets of {CHIP_CACHE_WAYS} lines",
+                    Size(Bytes(bytes)),
+                    l1.line
+                )
+            })?;
+        }
+        Ok(config)
+    }
 }
 
 /// How frames are traced.

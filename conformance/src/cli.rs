@@ -2,7 +2,7 @@
 
 use crate::output::{ClosedPipe, Stdout};
 use crate::progress::Progress;
-use crate::verbs::{metadata, prove, render, reproduce, scenes, trace, walk};
+use crate::verbs::{metadata, prove, render, reproduce, scenes, simulate, trace, walk};
 use anyhow::{Context, Result};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -58,6 +58,7 @@ enum Verb {
     Scenes(scenes::Args),
     Render(render::Args),
     Walk(walk::Args),
+    Simulate(simulate::Args),
     Trace(trace::Args),
     Prove(prove::Args),
     Reproduce(reproduce::Args),
@@ -98,6 +99,7 @@ impl Cli {
                 Verb::Scenes(args) => args.run(&progress),
                 Verb::Render(args) => args.run(&progress),
                 Verb::Walk(args) => args.run(&progress),
+                Verb::Simulate(args) => args.run(&progress),
                 Verb::Trace(args) => args.run(&progress),
                 Verb::Prove(args) => return args.run(&progress),
                 Verb::Reproduce(args) => args.run(&progress),

@@ -13,6 +13,7 @@
 //! | [`world`] | a scene made ready for the chip |
 //! | [`render`] | pictures |
 //! | [`walk`] | step one of §4: the traffic of a walk through a scene |
+//! | [`simulate`] | step two of §4: a frame on the chip, cycle by cycle |
 //! | [`metadata`] | the metadata law beside the paper's examples |
 //! | [`summary`] | what a scene needs, and the bytes of its image |
 //! | [`reproduce`] | the paper's figures, ours beside theirs |
@@ -28,6 +29,7 @@ pub mod progress;
 pub mod prove;
 pub mod render;
 pub mod reproduce;
+pub mod simulate;
 pub mod standard;
 pub mod summary;
 pub mod table;

@@ -94,13 +94,23 @@ fn packets<const N: usize>(
     let mut pipeline = Pipeline::<N>::new(max_bounces);
     for packet in 0..frame.packets::<N>() {
         let colours = pipeline.render(memory, registers, frame, packet);
-        for (pixel, colour) in frame.pixels::<N>(packet).into_iter().zip(colours) {
-            if let Some((x, y)) = pixel {
-                pixels.put_pixel(x, y, image::Rgb(eight_bits(colour)));
-            }
-        }
+        put_packet(&mut pixels, frame, packet, &colours);
     }
     Picture { pixels, rays: pipeline.rays }
+}
+
+/// Puts the colours of a packet's rays where they belong.
+pub(crate) fn put_packet<const N: usize>(
+    pixels: &mut RgbImage,
+    frame: &Frame,
+    packet: u32,
+    colours: &[Vec3; N],
+) {
+    for (pixel, colour) in frame.pixels::<N>(packet).into_iter().zip(colours) {
+        if let Some((x, y)) = pixel {
+            pixels.put_pixel(x, y, image::Rgb(eight_bits(*colour)));
+        }
+    }
 }
 
 /// A colour of 0 to 1, rounded to 0 to 255.

@@ -33,6 +33,14 @@ pub fn ways() -> u32 {
     paper::stated().l2.ways
 }
 
+/// The triangle cache for a scene: the larger one for the Cruiser (§4, Stated).
+#[must_use]
+pub fn triangle_cache(scene: &str) -> Bytes {
+    let l1 = &paper::stated().l1;
+    let cruiser = paper::family(scene).eq_ignore_ascii_case("cruiser");
+    Bytes(if cruiser { l1.triangle_bytes_of_cruiser } else { l1.triangle_bytes })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

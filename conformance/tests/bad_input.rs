@@ -23,6 +23,7 @@ fn refuses_scene(scene: &str, parts: &[&str]) {
     let picture = folder.path().join("picture.png");
     refuses(&["walk", scene], parts);
     refuses(&["trace", "record", scene, "--frame", "0", "--format", "din"], parts);
+    refuses(&["simulate", scene, "--frame", "0"], parts);
     refuses(&["render", scene, "-o", picture.to_str().expect("text")], parts);
     assert_is_empty(folder.path());
 }
@@ -43,6 +44,33 @@ fn sizes_that_make_no_cache() {
     refuses(&["walk", &room_arg(), "--memory", "256", "--line", "128"], &["256", "smaller than one set"]);
     refuses(&["metadata", "--memory", "8MB"], &["8MB", "--memory", "8MiB"]);
     refuses(&["metadata", "--ways", "3"], &["--ways", "1, 2, 4, 8, 16"]);
+}
+
+#[test]
+fn numbers_that_make_no_chip() {
+    let room = room_arg();
+    let simulate = |more: &[&str], parts: &[&str]| {
+        refuses(&[&["simulate", &room, "--frame", "0"], more].concat(), parts);
+    };
+    simulate(&["--l1-line", "shading=256"], &["256", "at most the line of the virtual memory, 128"]);
+    simulate(&["--line", "8"], &["line of a first-level cache of 64", "8"]);
+    simulate(&["--threads-per-rtp", "0"], &["threads a pipeline of 0", "1 to 64"]);
+    simulate(&["--pipelines", "65"], &["65", "1 to 64"]);
+    simulate(&["--mshrs", "0"], &["MSHRs", "1 to 64"]);
+    simulate(&["--l1-ports", "0"], &["ports", "1 to 64"]);
+    simulate(&["--memory", "256"], &["256", "smaller than one set"]);
+    simulate(&["--ways", "3"], &["--ways", "1, 2, 4, 8, 16"]);
+    simulate(&["--l1", "list=100"], &["list cache of 100 in lines of 4", "power of two"]);
+    simulate(&["--l1", "intersection=64KiB"], &["64KiB in lines of 36", "power of two"]);
+    simulate(&["--l1-line", "list=0"], &["lines of 0"]);
+    simulate(&["--l1", "node=8KiB"], &["--l1", "shading, traversal, list, intersection"]);
+    simulate(&["--l1", "list=8GiB", "--l1-line", "list=8GiB"], &["8589934592", "4294967295"]);
+    simulate(&["--variant", "b", "--metadata-cache", "48"], &["metadata cache of 48", "power of two"]);
+    simulate(&["--variant", "b", "--granule", "3"], &["granule", "3", "power of two"]);
+    simulate(&["--variant", "c"], &["--variant", "none, a, b"]);
+    simulate(&["--pci", "33"], &["--pci", "33x32, 66x64"]);
+    refuses(&["simulate", &room], &["--frame"]);
+    refuses(&["simulate", &room, "--frame", "3"], &["frame 3", "0 to 2"]);
 }
 
 #[test]

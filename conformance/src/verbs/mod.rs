@@ -5,5 +5,6 @@ pub mod prove;
 pub mod render;
 pub mod reproduce;
 pub mod scenes;
+pub mod simulate;
 pub mod trace;
 pub mod walk;
