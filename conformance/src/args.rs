@@ -1,6 +1,7 @@
 //! What arguments mean, and the groups of arguments that verbs share.
 
 use crate::limits::check_state;
+use crate::simulate::PacketOrder;
 use crate::standard;
 use crate::walk::{PacketSize, TraceOptions};
 use crate::world::{World, WorldOptions};
@@ -35,6 +36,7 @@ const PACKETS: Choices<PacketSize> = &[
     ("64", PacketSize::Rays64),
 ];
 const VERSIONS: Choices<Version> = &[("none", Version::None), ("a", Version::A), ("b", Version::B)];
+const ORDERS: Choices<PacketOrder> = &[("scan", PacketOrder::Scan), ("morton", PacketOrder::Morton)];
 const BUSES: Choices<PciConfig> =
     &[("33x32", PciConfig::BITS_32_AT_33_MHZ), ("66x64", PciConfig::BITS_64_AT_66_MHZ)];
 const WAYS: Choices<u32> = &[("1", 1), ("2", 2), ("4", 4), ("8", 8), ("16", 16)];
@@ -275,6 +277,9 @@ pub struct ChipArgs {
     /// Version of the virtual memory: none, metadata on the chip, or in the on-board memory
     #[arg(long, value_parser = choice(VERSIONS), default_value = name_of(VERSIONS, &Version::A))]
     variant: Version,
+    /// In which order packets are handed out: row by row, or near ones together
+    #[arg(long, value_parser = choice(ORDERS), default_value = name_of(ORDERS, &PacketOrder::default()))]
+    pub order: PacketOrder,
     /// Bus to the host: MHz x bits
     #[arg(long, value_parser = choice(BUSES), default_value = name_of(BUSES, &PciConfig::BITS_32_AT_33_MHZ))]
     pci: PciConfig,

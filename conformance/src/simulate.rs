@@ -18,7 +18,33 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// Packets traced before their colours are put into the picture: bounds the memory for colours.
-const PACKETS_A_BATCH: u32 = 4096;
+const PACKETS_A_BATCH: usize = 4096;
+
+/// In which order the packets of a picture are handed out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum PacketOrder {
+    /// Tiles from left to right, then downwards (RG-2).
+    #[default]
+    Scan,
+    /// Along Morton's curve (1966): tiles that follow one another are near in both directions.
+    Morton,
+}
+
+impl PacketOrder {
+    /// The numbers of the packets, in scan order, of a picture of `columns` × `rows` tiles.
+    fn packets(self, (columns, rows): (u32, u32)) -> Vec<u32> {
+        let mut packets: Vec<u32> = (0..columns * rows).collect();
+        if self == Self::Morton {
+            packets.sort_by_key(|packet| spread(packet % columns) | spread(packet / columns) << 1);
+        }
+        packets
+    }
+}
+
+/// The bits of a number, each at twice its place.
+fn spread(number: u32) -> u64 {
+    (0..u32::BITS).fold(0, |sum, bit| sum | u64::from(number >> bit & 1) << (2 * bit))
+}
 
 /// A frame, traced: what its packets do, and what is seen.
 #[derive(Clone, Debug)]
@@ -29,21 +55,26 @@ pub struct Recording {
     pub picture: Picture,
 }
 
-/// Traces a frame of the world's path on all cores.
+/// Traces a frame of the world's path on all cores, for a chip that is handed packets in `order`.
 ///
 /// # Panics
 /// If the path does not have the frame.
 #[must_use]
-pub fn record(world: &World, frame: usize, options: &TraceOptions) -> Recording {
+pub fn record(world: &World, frame: usize, options: &TraceOptions, order: PacketOrder) -> Recording {
     match options.packet {
-        PacketSize::Rays1 => record_packets::<1>(world, frame, options),
-        PacketSize::Rays4 => record_packets::<4>(world, frame, options),
-        PacketSize::Rays16 => record_packets::<16>(world, frame, options),
-        PacketSize::Rays64 => record_packets::<64>(world, frame, options),
+        PacketSize::Rays1 => record_packets::<1>(world, frame, options, order),
+        PacketSize::Rays4 => record_packets::<4>(world, frame, options, order),
+        PacketSize::Rays16 => record_packets::<16>(world, frame, options, order),
+        PacketSize::Rays64 => record_packets::<64>(world, frame, options, order),
     }
 }
 
-fn record_packets<const N: usize>(world: &World, frame: usize, options: &TraceOptions) -> Recording {
+fn record_packets<const N: usize>(
+    world: &World,
+    frame: usize,
+    options: &TraceOptions,
+    order: PacketOrder,
+) -> Recording {
     let (width, height) = options.resolution;
     let frame = Frame::new(&world.path[frame], width, height);
     let registers = &world.image.registers;
@@ -54,15 +85,13 @@ fn record_packets<const N: usize>(world: &World, frame: usize, options: &TraceOp
         let recorder = Recorder::new(FlatMemory::new(&world.image.bytes));
         (Pipeline::<N>::new(options.max_bounces), recorder)
     };
-    let all = 0..frame.packets::<N>();
-    for begin in all.clone().step_by(PACKETS_A_BATCH as usize) {
-        let batch = begin..all.end.min(begin + PACKETS_A_BATCH);
-        let trace = |(pipeline, recorder): &mut (Pipeline<N>, Recorder<FlatMemory<'_>>), packet| {
+    for batch in order.packets(frame.tiles::<N>()).chunks(PACKETS_A_BATCH) {
+        let trace = |(pipeline, recorder): &mut (Pipeline<N>, Recorder<FlatMemory<'_>>), &packet: &u32| {
             let colours = pipeline.render(recorder, registers, &frame, packet);
             (recorder.take(), colours, std::mem::take(&mut pipeline.rays))
         };
-        let traced: Vec<_> = batch.clone().into_par_iter().map_init(tools, trace).collect();
-        for (packet, (program, colours, traced)) in batch.zip(traced) {
+        let traced: Vec<_> = batch.par_iter().map_init(tools, trace).collect();
+        for (&packet, (program, colours, traced)) in batch.iter().zip(traced) {
             packets.push(program);
             put_packet(&mut pixels, &frame, packet, &colours);
             rays += traced;
@@ -218,5 +247,17 @@ impl Row {
             l2_merged: report.l2.merged,
             units: UNIT_NAMES.into_iter().zip(report.units.map(UnitRow::from)).collect(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn morton_order_keeps_neighbours_together() {
+        let order = PacketOrder::Morton.packets((4, 3));
+        assert_eq!(order, [0, 1, 4, 5, 2, 3, 6, 7, 8, 9, 10, 11]);
+        assert_eq!(PacketOrder::Scan.packets((2, 2)), [0, 1, 2, 3]);
     }
 }

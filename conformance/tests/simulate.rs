@@ -82,9 +82,11 @@ fn picture_is_that_of_the_functional_run() {
     let (room, folder) = (room_arg(), tempfile::tempdir().expect("a folder"));
     let file = |name: &str| folder.path().join(name).to_str().expect("text").to_owned();
     let (timed, flat) = (file("timed.png"), file("flat.png"));
-    stdout_of(&args(&room, &["-o", &timed]));
     stdout_of(&["render", &room, "--frame", "1", "--resolution", "64x48", "--flat", "-o", &flat]);
-    assert!(std::fs::read(timed).expect("a picture") == std::fs::read(flat).expect("a picture"));
+    for order in ["scan", "morton"] {
+        stdout_of(&args(&room, &["-o", &timed, "--order", order]));
+        assert!(std::fs::read(&timed).expect("a picture") == std::fs::read(&flat).expect("a picture"));
+    }
 }
 
 #[test]
@@ -105,6 +107,8 @@ fn sizes_of_the_chip_matter() {
     assert_ne!(cycles(&["--l1-line", "traversal=64"]), standard);
     assert_ne!(cycles(&["--l1-ports", "4"]), standard);
     assert!(cycles(&["--mshrs", "1"]) > standard);
+    assert_ne!(cycles(&["--order", "morton"]), standard);
+    assert_eq!(number(&cold(&["--order", "morton"]), "rays"), number(&cold(&[]), "rays"));
     let metadata = |more: &[&str]| number(&cold(&[&["--variant", "b"], more].concat()), "mem_bytes_metadata");
     assert!(metadata(&["--metadata-cache", "64"]) > metadata(&[]));
     assert_ne!(metadata(&["--granule", "64"]), metadata(&[]));

@@ -24,7 +24,7 @@ pub struct Operation {
 /// The programs of a picture's packets.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Programs {
-    /// The operations of each packet, in scan order.
+    /// The operations of each packet, in the order in which packets are handed out (CH-4).
     pub packets: Vec<Box<[Operation]>>,
     /// Address of the first triangle: where the lines of the triangle cache begin (L1-1).
     pub triangles: HostAddr,

@@ -54,17 +54,17 @@ impl Args {
             progress.say(describe(&cache));
         }
 
-        let options = self.trace.options();
+        let (options, order) = (self.trace.options(), self.chip.order);
         let first = self.frame - self.warm_up.min(self.frame);
         let frames = (self.frame - first + 1) as f64;
         let (before, recording) = progress.during("trace", |report| {
             let before: Vec<_> = (first..self.frame)
                 .map(|frame| {
                     report((frame - first) as f64 / frames);
-                    record(&world, frame, &options).programs
+                    record(&world, frame, &options, order).programs
                 })
                 .collect();
-            (before, record(&world, self.frame, &options))
+            (before, record(&world, self.frame, &options, order))
         });
         let report = progress.during("chip", |_| simulate(&before, &recording.programs, &config))?;
         if let Some(file) = file {
