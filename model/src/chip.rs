@@ -6,7 +6,12 @@
 //! programs and the configuration. Cycles in which no phase has anything to do are left out, and
 //! nothing else is: the naive stepping of the same rules in `reference` takes every cycle.
 
-use crate::chip_config::{CHIP_CACHE_WAYS, ChipConfig, ConfigError, MAX_LATENCY, Version};
+mod report;
+mod wheel;
+
+pub use report::{CacheReport, Observer, Report, Stall, Traffic, UnitReport};
+
+use crate::chip_config::{CHIP_CACHE_WAYS, ChipConfig, ConfigError, Version};
 use crate::memory::Port;
 use crate::pci::Pci;
 use crate::program::{Operation, Programs};
@@ -16,138 +21,7 @@ use crate::tags::{Move, Place, Tags, tags};
 use crate::units::{HostAddr, LineAddr};
 use crate::vm::Directory;
 use std::collections::VecDeque;
-
-/// Why a unit that is not busy has nothing to work on while threads of its pipeline want it. The
-/// first that holds for any of them counts (CH-18).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stall {
-    /// The first-level cache is about to answer.
-    LookUp,
-    /// Others use the ports of the first-level cache.
-    Port,
-    /// As many lines are on their way as the first-level cache can wait for.
-    Mshr,
-    /// The on-board memory is about to answer.
-    Memory,
-    /// The host is about to.
-    Host,
-}
-
-impl Stall {
-    /// All of them, the first to count first.
-    pub const ALL: [Self; 5] = [Self::LookUp, Self::Port, Self::Mshr, Self::Memory, Self::Host];
-}
-
-/// What bytes move for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Traffic {
-    /// From the on-board memory to a first-level cache.
-    L1Fill,
-    /// A line from the host, written to the on-board memory.
-    VmFill,
-    /// Metadata of version B, read.
-    MetadataRead,
-    /// Metadata of version B, written back.
-    MetadataWriteBack,
-    /// A line over the bus to the host.
-    Pci,
-}
-
-/// Is told of each transfer of a run.
-pub trait Observer {
-    /// `bytes` move for `traffic` during `span`.
-    fn transfer(&mut self, traffic: Traffic, span: Span, bytes: u64);
-}
-
-/// Nobody listens.
-impl Observer for () {
-    fn transfer(&mut self, _: Traffic, _: Span, _: u64) {}
-}
-
-/// The cycles of all units of one type: `busy + stalls + idle` = cycles × pipelines.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub struct UnitReport {
-    /// Cycles in which rays went in.
-    pub busy: u64,
-    /// Cycles in which threads wanted the unit and none had its bytes, by [`Stall::ALL`].
-    pub stalls: [u64; 5],
-    /// Cycles in which no thread wanted the unit.
-    pub idle: u64,
-    /// Packet operations.
-    pub operations: u64,
-    /// Rays that went in.
-    pub rays: u64,
-}
-
-impl UnitReport {
-    /// Cycles of stalls of all causes.
-    #[must_use]
-    pub fn stalled(&self) -> u64 {
-        self.stalls.iter().sum()
-    }
-}
-
-/// What a cache did: `accesses` = hits + merged + misses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub struct CacheReport {
-    /// Lines looked up.
-    pub accesses: u64,
-    /// Of these, lines that were on their way already.
-    pub merged: u64,
-    /// Of these, lines that had to be fetched.
-    pub misses: u64,
-}
-
-impl CacheReport {
-    /// Lines that were there.
-    #[must_use]
-    pub fn hits(&self) -> u64 {
-        self.accesses - self.merged - self.misses
-    }
-}
-
-/// What a picture took.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub struct Report {
-    /// Core cycles from the first packet's begin to the last one's end.
-    pub cycles: u64,
-    /// The units, in the order of [`Port::ALL`].
-    pub units: [UnitReport; 4],
-    /// Their first-level caches, in the same order.
-    pub l1: [CacheReport; 4],
-    /// The on-board memory as a cache; without virtual memory, requests that it served.
-    pub l2: CacheReport,
-    /// Bytes that moved on the bus of the on-board memory, whole beats, by [`Traffic`].
-    pub l1_fill_bytes: u64,
-    /// See [`Report::l1_fill_bytes`].
-    pub vm_fill_bytes: u64,
-    /// See [`Report::l1_fill_bytes`].
-    pub metadata_read_bytes: u64,
-    /// See [`Report::l1_fill_bytes`].
-    pub metadata_write_back_bytes: u64,
-    /// Bytes loaded from the host: a line for each miss of `l2`.
-    pub pci_bytes: u64,
-    /// Cycles in which the bus to the host was taken.
-    pub pci_busy: u64,
-}
-
-impl Report {
-    /// Bytes that moved on the bus of the on-board memory: Table 2's Mem.
-    #[must_use]
-    pub fn memory_bytes(&self) -> u64 {
-        self.l1_fill_bytes + self.vm_fill_bytes + self.metadata_read_bytes + self.metadata_write_back_bytes
-    }
-
-    fn moved(&mut self, traffic: Traffic) -> &mut u64 {
-        match traffic {
-            Traffic::L1Fill => &mut self.l1_fill_bytes,
-            Traffic::VmFill => &mut self.vm_fill_bytes,
-            Traffic::MetadataRead => &mut self.metadata_read_bytes,
-            Traffic::MetadataWriteBack => &mut self.metadata_write_back_bytes,
-            Traffic::Pci => &mut self.pci_bytes,
-        }
-    }
-}
+use wheel::Wheel;
 
 /// Plays `programs` on the chip. Its caches hold what the pictures `before` left there (CH-19);
 /// without any, they are empty.
@@ -304,57 +178,6 @@ struct Loading {
     line: LineAddr,
     card: u64,
     there: u64,
-}
-
-/// Events of the next [`WHEEL`] cycles: for each of these a list of numbers, of threads and then of
-/// units. Each number is in one list at most.
-struct Wheel {
-    first: Vec<u32>,
-    next: Vec<u32>,
-    occupied: [u64; WHEEL / 64],
-}
-
-/// More cycles than lie between an event and its cause: rays of an operation and latency.
-const WHEEL: usize = 2048;
-const _: () = assert!(WHEEL > MAX_LATENCY as usize + u8::MAX as usize);
-
-impl Wheel {
-    fn new(numbers: usize) -> Self {
-        Self { first: vec![NONE; WHEEL], next: vec![NONE; numbers], occupied: [0; WHEEL / 64] }
-    }
-
-    #[inline]
-    fn insert(&mut self, cycle: u64, number: u32) {
-        let slot = cycle as usize % WHEEL;
-        self.next[number as usize] = std::mem::replace(&mut self.first[slot], number);
-        self.occupied[slot / 64] |= 1 << (slot % 64);
-    }
-
-    /// Takes the list of a cycle; [`Wheel::next`] leads on from its first number.
-    #[inline]
-    fn take(&mut self, cycle: u64) -> u32 {
-        let slot = cycle as usize % WHEEL;
-        self.occupied[slot / 64] &= !(1 << (slot % 64));
-        std::mem::replace(&mut self.first[slot], NONE)
-    }
-
-    /// The next cycle from `cycle` on that has events.
-    #[inline]
-    fn upcoming(&self, cycle: u64) -> Option<u64> {
-        let slot = cycle as usize % WHEEL;
-        let here = self.occupied[slot / 64] >> (slot % 64);
-        if here != 0 {
-            return Some(cycle + u64::from(here.trailing_zeros()));
-        }
-        // The rest of the ring, word by word, and at last what of the first word was left out.
-        let words = WHEEL / 64;
-        let to_next_word = 64 - slot as u64 % 64;
-        (0..words as u64).find_map(|i| {
-            let word = self.occupied[(slot / 64 + 1 + i as usize) % words];
-            let found = cycle + to_next_word + 64 * i + u64::from(word.trailing_zeros());
-            (word != 0).then_some(found)
-        })
-    }
 }
 
 /// The member of `mask` that follows `last`, round and round.
