@@ -54,6 +54,15 @@ fn name_of<T: PartialEq>(choices: Choices<T>, value: &T) -> &'static str {
     choices.iter().find(|(_, choice)| choice == value).expect("every value has its name").0
 }
 
+/// The one of `choices` that is so named.
+fn named<T: Copy>(choices: Choices<T>, name: &str) -> Result<T, String> {
+    let found = choices.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
+    found.ok_or_else(|| {
+        let names: Vec<_> = choices.iter().map(|(name, _)| *name).collect();
+        format!("write one of {}", names.join(", "))
+    })
+}
+
 /// A size in bytes: `128`, `64KiB`, `8MiB`, `1GiB`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size(pub Bytes);
@@ -345,6 +354,49 @@ impl ChipArgs {
         }
         Ok(config)
     }
+}
+
+/// What a sweep can vary, each with the values that it takes if none are named. (Lines of 32 bytes
+/// are less than the standard lines of two first-level caches, and so make no chip by themselves.)
+pub const AXES: [(&str, &str); 10] = [
+    ("line", "64,128,256,512,1KiB,2KiB,4KiB"),
+    ("ways", "1,2,4,8,16"),
+    ("hash", "low,add-upper,add-upper-all"),
+    ("memory", "4MiB,8MiB,16MiB,32MiB,64MiB"),
+    ("policy", "lru,fifo,plru"),
+    ("pci", "33x32,66x64"),
+    ("threads", "1,2,4,8,16,32"),
+    ("metadata-cache", "16KiB,32KiB,64KiB,128KiB,256KiB"),
+    ("triangle-cache", "144KiB,576KiB"),
+    ("variant", "none,a,b"),
+];
+
+/// Gives one of the [`AXES`] a value.
+///
+/// # Errors
+/// What would be right, where it is none.
+pub fn vary(axis: &str, value: &str, cache: &mut CacheArgs, chip: &mut ChipArgs) -> Result<(), String> {
+    match axis {
+        "line" => cache.geometry.line = value.parse()?,
+        "ways" => cache.geometry.ways = named(WAYS, value)?,
+        "hash" => cache.hash = named(HASHES, value)?,
+        "memory" => cache.memory = Some(value.parse()?),
+        "policy" => cache.policy = named(POLICIES, value)?,
+        "pci" => chip.pci = named(BUSES, value)?,
+        "threads" => {
+            chip.threads_per_rtp = value.parse().map_err(|_| "write a number of threads a pipeline")?
+        }
+        "metadata-cache" => chip.metadata_cache = value.parse()?,
+        "triangle-cache" => {
+            chip.l1.push(UnitSize { unit: Port::Triangle as usize, size: value.parse()? });
+        }
+        "variant" => chip.variant = named(VERSIONS, value)?,
+        _ => {
+            let known: Vec<_> = AXES.iter().map(|(name, _)| *name).collect();
+            return Err(format!("no such axis; write one of {}", known.join(", ")));
+        }
+    }
+    Ok(())
 }
 
 /// How frames are traced.

@@ -2,7 +2,7 @@
 
 use crate::output::{ClosedPipe, Stdout};
 use crate::progress::Progress;
-use crate::verbs::{metadata, prove, render, reproduce, scenes, simulate, trace, walk};
+use crate::verbs::{metadata, prove, render, reproduce, scenes, simulate, sweep, trace, walk};
 use anyhow::{Context, Result};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -59,6 +59,8 @@ enum Verb {
     Render(render::Args),
     Walk(walk::Args),
     Simulate(simulate::Args),
+    Sweep(sweep::Args),
+    Merge(sweep::MergeArgs),
     Trace(trace::Args),
     Prove(prove::Args),
     Reproduce(reproduce::Args),
@@ -100,6 +102,8 @@ impl Cli {
                 Verb::Render(args) => args.run(&progress),
                 Verb::Walk(args) => args.run(&progress),
                 Verb::Simulate(args) => args.run(&progress),
+                Verb::Sweep(args) => args.run(&progress),
+                Verb::Merge(args) => args.run(),
                 Verb::Trace(args) => args.run(&progress),
                 Verb::Prove(args) => return args.run(&progress),
                 Verb::Reproduce(args) => args.run(&progress),

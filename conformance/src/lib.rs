@@ -14,6 +14,7 @@
 //! | [`render`] | pictures |
 //! | [`walk`] | step one of §4: the traffic of a walk through a scene |
 //! | [`simulate`] | step two of §4: a frame on the chip, cycle by cycle |
+//! | [`sweep`] | one frame on many chips |
 //! | [`metadata`] | the metadata law beside the paper's examples |
 //! | [`summary`] | what a scene needs, and the bytes of its image |
 //! | [`reproduce`] | the paper's figures, ours beside theirs |
@@ -32,6 +33,7 @@ pub mod reproduce;
 pub mod simulate;
 pub mod standard;
 pub mod summary;
+pub mod sweep;
 pub mod table;
 mod verbs;
 pub mod walk;

@@ -10,7 +10,7 @@ use saarcor_model::vm::CacheConfig;
 const HISTORY_BYTES: u64 = 8;
 
 /// Most memory that the state of a simulation may take.
-const MAX_STATE: Bytes = Bytes(4 << 30);
+pub const MAX_STATE: Bytes = Bytes(4 << 30);
 
 /// Checks that a cache in front of `host` bytes of host memory can be simulated.
 ///
@@ -18,13 +18,7 @@ const MAX_STATE: Bytes = Bytes(4 << 30);
 /// If its state takes more memory than there should be.
 pub fn check_state(config: CacheConfig, host: Bytes) -> Result<()> {
     let CacheConfig { geometry, .. } = config;
-    let line = geometry.line().0;
-    let host_lines = host.0.div_ceil(line);
-    // The directory; what a walk knows of each line of the host; the lines that lie on the card.
-    let directory = geometry.lines() * size_of::<Set<1>>() as u64;
-    let history = host_lines * HISTORY_BYTES;
-    let card = geometry.memory().0.min(host_lines * line);
-    let state = directory + history + card;
+    let Bytes(state) = state(config, host);
     let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
     ensure!(
         state <= MAX_STATE.0,
@@ -36,6 +30,19 @@ pub fn check_state(config: CacheConfig, host: Bytes) -> Result<()> {
         gib(MAX_STATE.0)
     );
     Ok(())
+}
+
+/// Memory that the state of a simulation takes.
+#[must_use]
+pub fn state(config: CacheConfig, host: Bytes) -> Bytes {
+    let CacheConfig { geometry, .. } = config;
+    let line = geometry.line().0;
+    let host_lines = host.0.div_ceil(line);
+    // The directory; what a walk knows of each line of the host; the lines that lie on the card.
+    let directory = geometry.lines() * size_of::<Set<1>>() as u64;
+    let history = host_lines * HISTORY_BYTES;
+    let card = geometry.memory().0.min(host_lines * line);
+    Bytes(directory + history + card)
 }
 
 #[cfg(test)]

@@ -6,5 +6,6 @@ pub mod render;
 pub mod reproduce;
 pub mod scenes;
 pub mod simulate;
+pub mod sweep;
 pub mod trace;
 pub mod walk;

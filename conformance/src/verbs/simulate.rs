@@ -4,7 +4,7 @@ use crate::args::{CacheArgs, ChipArgs, SceneArgs, TraceArgs, describe};
 use crate::limits::check_state;
 use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
-use crate::simulate::{Row, record};
+use crate::simulate::{Row, record_warm};
 use crate::summary::Summary;
 use crate::table::{Column, Table, mb};
 use crate::world::World;
@@ -55,17 +55,8 @@ impl Args {
         }
 
         let (options, order) = (self.trace.options(), self.chip.order);
-        let first = self.frame - self.warm_up.min(self.frame);
-        let frames = (self.frame - first + 1) as f64;
-        let (before, recording) = progress.during("trace", |report| {
-            let before: Vec<_> = (first..self.frame)
-                .map(|frame| {
-                    report((frame - first) as f64 / frames);
-                    record(&world, frame, &options, order).programs
-                })
-                .collect();
-            (before, record(&world, self.frame, &options, order))
-        });
+        let (before, recording) = progress
+            .during("trace", |report| record_warm(&world, self.frame, self.warm_up, &options, order, report));
         let report = progress.during("chip", |_| simulate(&before, &recording.programs, &config))?;
         if let Some(file) = file {
             file.write(|out| recording.picture.write_png(out))?;

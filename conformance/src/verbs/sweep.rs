@@ -1,0 +1,225 @@
+//! `saarcor sweep` and `saarcor merge`.
+
+use crate::args::{CacheArgs, ChipArgs, SceneArgs, TraceArgs, vary};
+use crate::limits::{MAX_STATE, state};
+use crate::output::{OutFile, Stdout};
+use crate::progress::Progress;
+use crate::simulate::record_warm;
+use crate::summary::Summary;
+use crate::sweep::{Axis, Point, Position, Results, Shard, grid, identity, merged, result};
+use crate::table::{Column, Table, mb};
+use crate::world::World;
+use anyhow::{Context, Result, anyhow, ensure};
+use saarcor_model::chip_config::ChipConfig;
+use saarcor_model::units::Bytes;
+use serde_json::Value;
+use std::path::PathBuf;
+
+/// A frame on many chips: one for each point of a grid
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Frame of the scene's path
+    #[arg(long, value_name = "N")]
+    frame: usize,
+    /// What varies: line, ways, hash, memory, policy, pci, threads, metadata-cache, triangle-cache or
+    /// variant, with its values if not the usual ones; several make a grid
+    #[arg(long, value_name = "AXIS[=VALUE,..]", required = true)]
+    over: Vec<Axis>,
+    #[command(flatten)]
+    chip: ChipArgs,
+    #[command(flatten)]
+    trace: TraceArgs,
+    #[command(flatten)]
+    cache: CacheArgs,
+    /// Begins with what the N frames before left in the caches
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    warm_up: usize,
+    /// Part I of N of the points, for several machines; 'saarcor merge' joins the parts
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    /// Results as lines of JSON; a sweep that was stopped goes on where this file ends
+    #[arg(short, long, value_name = "FILE.jsonl")]
+    out: Option<PathBuf>,
+    /// Results as a table of comma-separated values
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+    /// Prints the results as lines of JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Args {
+    /// Simulates what is left of the points, and prints all results.
+    pub fn run(self, progress: &Progress) -> Result<()> {
+        let all = grid(&self.over);
+        let configs = all.iter().map(|point| self.config(point)).collect::<Result<Vec<_>>>()?;
+        let csv = self.csv.as_deref().map(OutFile::check).transpose()?;
+        let sweep =
+            identity(&(&self.scene, self.frame, &self.trace, self.chip.order, self.warm_up, &configs));
+        let position = |point| Position { sweep: sweep.clone(), point, points: all.len() };
+        let mine = (0..all.len()).filter(|&point| self.shard.is_none_or(|shard| shard.has(point)));
+        let mine: Vec<usize> = mine.collect();
+        let expected: Vec<_> = mine.iter().map(|&point| position(point)).collect();
+        let mut results = Results::open(self.out.as_deref(), &expected)?;
+        if results.lines.len() < mine.len() {
+            let world = World::open(&self.scene.options(Some(self.frame)), progress)?;
+            let at_a_time = rayon::current_num_threads();
+            check_memory(&configs, at_a_time, Bytes(world.image.bytes.len() as u64))?;
+            progress.say(Summary::of(&world).image_line());
+            progress.say(format!("{} points, {} left", mine.len(), mine.len() - results.lines.len()));
+            let (options, order) = (self.trace.options(), self.chip.order);
+            let (before, recording) = progress.during("trace", |report| {
+                record_warm(&world, self.frame, self.warm_up, &options, order, report)
+            });
+            let frame = (self.scene.scene.as_str(), self.frame, recording.picture.rays.total());
+            progress.during("points", |report| {
+                results.complete(&mine, at_a_time, report, |&point| {
+                    let programs = (&before[..], &recording.programs);
+                    result(frame, programs, (position(point), &all[point]), &configs[point])
+                })
+            })?;
+        }
+        print(&results.lines, csv, self.json)
+    }
+
+    /// The chip of a point.
+    fn config(&self, point: &Point) -> Result<ChipConfig> {
+        let (mut cache, mut chip) = (self.cache.clone(), self.chip.clone());
+        let text: Vec<_> = point.iter().map(|(axis, value)| format!("{axis}={value}")).collect();
+        let text = text.join(" ");
+        for (axis, value) in point {
+            vary(axis, value, &mut cache, &mut chip)
+                .map_err(|right| anyhow!("--over {axis}={value}: {right}"))?;
+        }
+        let cache = cache.config(&self.scene.scene).with_context(|| text.clone())?;
+        let config = chip.config(&self.scene.scene, cache).with_context(|| text.clone())?;
+        config.check().context(text)?;
+        Ok(config)
+    }
+}
+
+/// Checks that the points that are worked on together can be held.
+fn check_memory(configs: &[ChipConfig], at_a_time: usize, host: Bytes) -> Result<()> {
+    let mut states: Vec<u64> = configs.iter().map(|config| state(config.cache, host).0).collect();
+    states.sort_unstable_by(|a, b| b.cmp(a));
+    let most: u64 = states.iter().take(at_a_time).sum();
+    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    ensure!(
+        most <= MAX_STATE.0,
+        "the {at_a_time} largest of {} points together take {:.1} GiB, more than {:.0} GiB; take fewer --threads, \
+         longer lines or less memory",
+        configs.len(),
+        gib(most),
+        gib(MAX_STATE.0)
+    );
+    Ok(())
+}
+
+/// Parts of a sweep as one
+#[derive(Debug, clap::Args)]
+pub struct MergeArgs {
+    /// Results of 'saarcor sweep --shard', all parts
+    #[arg(value_name = "FILE.jsonl", required = true)]
+    parts: Vec<PathBuf>,
+    /// All results as lines of JSON
+    #[arg(short, long, value_name = "FILE.jsonl")]
+    out: Option<PathBuf>,
+    /// Results as a table of comma-separated values
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+    /// Prints the results as lines of JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl MergeArgs {
+    /// Merges, and prints all results.
+    pub fn run(self) -> Result<()> {
+        let read = |path: &PathBuf| {
+            let name = path.display().to_string();
+            let text = std::fs::read_to_string(path).with_context(|| format!("{name}: cannot be read"))?;
+            Ok((name, text))
+        };
+        let parts = self.parts.iter().map(read).collect::<Result<Vec<_>>>()?;
+        let lines = merged(&parts)?;
+        let csv = self.csv.as_deref().map(OutFile::check).transpose()?;
+        if let Some(out) = self.out.as_deref().map(OutFile::check).transpose()? {
+            out.write(|file| Ok(lines.iter().try_for_each(|line| writeln!(file, "{line}"))?))?;
+        }
+        print(&lines, csv, self.json)
+    }
+}
+
+/// Numbers of a result that are shown, by their names in JSON.
+const NUMBERS: [&str; 8] = [
+    "cycles",
+    "fps",
+    "pci_bytes",
+    "mem_bytes",
+    "mem_bytes_metadata",
+    "metadata_bytes",
+    "l2_accesses",
+    "l2_hits",
+];
+
+fn print(lines: &[String], csv: Option<OutFile>, json: bool) -> Result<()> {
+    let rows = lines.iter().map(|line| serde_json::from_str(line).context("result"));
+    let rows = rows.collect::<Result<Vec<Value>>>()?;
+    let axes: Vec<&String> = rows
+        .first()
+        .and_then(|row| row["at"].as_object())
+        .into_iter()
+        .flatten()
+        .map(|(name, _)| name)
+        .collect();
+    let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    if let Some(csv) = csv {
+        csv.write(|file| {
+            let header: Vec<_> = axes.iter().map(|axis| axis.as_str()).chain(NUMBERS).collect();
+            writeln!(file, "{}", header.join(","))?;
+            for row in &rows {
+                let at = axes.iter().map(|axis| text(&row["at"][axis.as_str()]));
+                let cells: Vec<_> = at.chain(NUMBERS.map(|number| text(&row[number]))).collect();
+                writeln!(file, "{}", cells.join(","))?;
+            }
+            Ok(())
+        })?;
+    }
+    let mut out = Stdout::new();
+    if json {
+        lines.iter().try_for_each(|line| out.line(line))?;
+        return out.finish();
+    }
+    let number = |row: &Value, name: &str| row[name].as_u64().unwrap_or(0);
+    let numbers = ["fps", "loaded MB", "Mem MB", "metadata KiB", "misses %"].map(Column::number);
+    let mut table = Table::new(axes.iter().map(|axis| Column::text(axis.as_str())).chain(numbers));
+    for row in &rows {
+        let at = axes.iter().map(|axis| text(&row["at"][axis.as_str()]));
+        let misses = number(row, "l2_accesses") - number(row, "l2_hits");
+        let cells = [
+            format!("{:.1}", row["fps"].as_f64().unwrap_or(0.0)),
+            mb(number(row, "pci_bytes")),
+            mb(number(row, "mem_bytes")),
+            format!("{:.1}", number(row, "metadata_bytes") as f64 / 1024.0),
+            format!("{:.2}", 100.0 * misses as f64 / number(row, "l2_accesses").max(1) as f64),
+        ];
+        table.row(at.chain(cells));
+    }
+    out.line(table.to_string().trim_end())?;
+    let costs = [
+        ("most frames a second", "cycles"),
+        ("fewest bytes loaded", "pci_bytes"),
+        ("least metadata", "metadata_bytes"),
+    ];
+    for (cost, field) in costs {
+        // Of equals the first.
+        if let Some(row) = rows.iter().min_by_key(|row| number(row, field)) {
+            let at: Vec<_> =
+                axes.iter().map(|axis| format!("{axis} {}", text(&row["at"][axis.as_str()]))).collect();
+            out.line(format!("{cost}: {}", at.join(", ")))?;
+        }
+    }
+    out.finish()
+}
