@@ -199,7 +199,7 @@ theorems! { "l1";
     /// A first-level cache in front of the virtual memory stays transparent when the host writes and
     /// both levels forget, the virtual memory first: neither holds the old byte, and what is read
     /// next is the new one.
-    #["L1-2", unwind 5, covers ["in both", "in the first level alone", "in the virtual memory alone"]]
+    #["L1-2", unwind 4, covers ["in both", "in the first level alone", "in the virtual memory alone"]]
     fn l1_over_virtual_memory_is_transparent(s) {
         let mut memory = vm::memory::<S, 1, 1>(s, &WORDS[..2])?;
         // Lines of two bytes, as the virtual memory has.
