@@ -174,8 +174,8 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> Metadata<W
     fn clear(&mut self) {
         self.cache.fill(DataSet::empty(self.granules));
         let empty = Set::<WAYS>::empty(self.lines).to_entries();
-        for (slot, byte) in self.card.iter_mut().zip(empty.as_flattened().iter().cycle()) {
-            *slot = *byte;
+        for set in self.card.chunks_mut(Self::SET_BYTES) {
+            set.copy_from_slice(&empty.as_flattened()[..set.len()]);
         }
     }
 }

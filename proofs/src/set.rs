@@ -14,7 +14,7 @@
 use crate::draw::{self, BYTES, EDGES, WORDS, any_ways};
 #[cfg(not(kani))]
 use crate::engines::Random;
-use crate::source::{Holds, Source};
+use crate::source::{Holds, Source, Stop};
 use crate::{assume, check, check_eq, cover, theorems};
 use saarcor_model::set::{Outcome, Policy, Set};
 use saarcor_model::units::{LineAddr, Way};
@@ -31,6 +31,32 @@ fn copies<const WAYS: usize>(set: &Set<WAYS>, line: LineAddr) -> usize {
         copies += usize::from(holds(set, way, line));
     }
     copies
+}
+
+/// Uses `MOST` lines after each other, or as many as the policy surely keeps: LRU as many as there are
+/// ways, tree-PLRU log2(ways) + 1. All have to be resident then.
+fn recent<S: Source, const WAYS: usize, const MOST: usize>(
+    s: &mut S,
+    before: &Set<WAYS>,
+    policy: Policy,
+) -> Result<[LineAddr; MOST], Stop> {
+    let kept = if policy == Policy::Lru { WAYS } else { WAYS.trailing_zeros() as usize + 1 };
+    let mut lines = [LineAddr(0); MOST];
+    let mut set = *before;
+    for k in 0..MOST {
+        if k < kept {
+            lines[k] = draw::line_of_set::<WAYS>(s);
+            for earlier in 0..k {
+                assume!(lines[earlier] != lines[k]);
+            }
+            set = set.access(lines[k], policy).0;
+        }
+    }
+    for k in 0..MOST {
+        let there = k >= kept || copies(&set, lines[k]) == 1;
+        check!(there, "{policy:?}: {before:?}, {lines:?} used: {:?} is not in {set:?}", lines[k]);
+    }
+    Ok(lines)
 }
 
 /// Declares theorems whose bodies are generic over the number of ways; the theorem is that they
@@ -337,34 +363,32 @@ set_theorems! {
         );
     }
 
-    /// From any state, the lines used last are resident: as many as there are ways with LRU,
-    /// log2(ways) + 1 with tree-PLRU.
-    #["VM-6", unwind 8, covers ["LRU, four lines", "PLRU, log2(ways) + 1 lines"]]
-    fn recent_lines_are_resident(s) {
-        let (policy, mut set) = draw::set::<S, WAYS>(s)?;
-        // LRU keeps as many as there are ways; tree-PLRU surely log2(ways) + 1 of them.
-        let kept = match policy {
-            Policy::Lru => WAYS,
-            Policy::Fifo => 1,
-            Policy::Plru => WAYS.trailing_zeros() as usize + 1,
-        };
-        // Four lines, or as many as the first are that the policy keeps.
-        let mut lines = [LineAddr(0); 4];
-        for k in 0..kept.min(4) {
-            lines[k] = draw::line_of_set::<WAYS>(s);
-            for earlier in 0..k {
-                assume!(lines[earlier] != lines[k]);
-            }
+    /// With LRU, from any state, the lines used last are resident: as many as there are ways, of which
+    /// four are tried.
+    #["VM-6", unwind 8, covers ["none of them before", "all of them before"]]
+    fn lru_keeps_the_lines_used_last(s) {
+        let before = draw::set_of::<S, WAYS>(s, Policy::Lru)?;
+        let lines = recent::<S, WAYS, 4>(s, &before, Policy::Lru)?;
+        let mut resident = 0;
+        for k in 0..4 {
+            resident += usize::from(k < WAYS && copies(&before, lines[k]) == 1);
         }
-        let before = set;
-        for &line in lines.iter().take(kept) {
-            set = set.access(line, policy).0;
+        cover!(s, "none of them before", WAYS >= 4 && resident == 0);
+        cover!(s, "all of them before", WAYS >= 4 && resident == 4);
+    }
+
+    /// With tree-PLRU, from any state, the log2(ways) + 1 lines used last are resident, of which three
+    /// are tried.
+    #["VM-6", unwind 8, covers ["none of them before", "all of them before"]]
+    fn plru_keeps_the_lines_used_last(s) {
+        let before = draw::set_of::<S, WAYS>(s, Policy::Plru)?;
+        let lines = recent::<S, WAYS, 3>(s, &before, Policy::Plru)?;
+        let mut resident = 0;
+        for k in 0..3 {
+            resident += usize::from(copies(&before, lines[k]) == 1);
         }
-        cover!(s, "LRU, four lines", policy == Policy::Lru && WAYS >= 4);
-        cover!(s, "PLRU, log2(ways) + 1 lines", policy == Policy::Plru && WAYS >= 4);
-        for &line in lines.iter().take(kept) {
-            check!(copies(&set, line) == 1, "{policy:?}: {before:?}, {lines:?} used: {line:?} is not in {set:?}");
-        }
+        cover!(s, "none of them before", WAYS >= 4 && resident == 0);
+        cover!(s, "all of them before", WAYS >= 4 && resident == 3);
     }
 
     /// After an invalidation its line is not resident; all others stay, in their ways and their
