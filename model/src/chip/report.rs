@@ -96,7 +96,7 @@ impl CacheReport {
 pub struct Report {
     /// Core cycles from the first packet's begin to the last one's end.
     pub cycles: u64,
-    /// The units, in the order of [`Port::ALL`].
+    /// The units, in the order of [`Port::ALL`](crate::memory::Port::ALL).
     pub units: [UnitReport; 4],
     /// Their first-level caches, in the same order.
     pub l1: [CacheReport; 4],
