@@ -10,7 +10,7 @@ use saarcor_model::vm::CacheConfig;
 const HISTORY_BYTES: u64 = 8;
 
 /// Most memory that the state of a simulation may take.
-pub const MAX_STATE: Bytes = Bytes(4 << 30);
+const MAX_STATE: Bytes = Bytes(4 << 30);
 
 /// Checks that a cache in front of `host` bytes of host memory can be simulated.
 ///
@@ -19,7 +19,6 @@ pub const MAX_STATE: Bytes = Bytes(4 << 30);
 pub fn check_state(config: CacheConfig, host: Bytes) -> Result<()> {
     let CacheConfig { geometry, .. } = config;
     let Bytes(state) = state(config, host);
-    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
     ensure!(
         state <= MAX_STATE.0,
         "memory of {} in lines of {}: simulating it takes {:.1} GiB, more than {:.0} GiB; take longer lines \
@@ -32,9 +31,35 @@ pub fn check_state(config: CacheConfig, host: Bytes) -> Result<()> {
     Ok(())
 }
 
+/// Checks that, of many caches in front of `host` bytes, any `at_a_time` can be simulated together.
+///
+/// # Errors
+/// If their states take more memory than there should be.
+pub fn check_together(
+    configs: impl Iterator<Item = CacheConfig>,
+    at_a_time: usize,
+    host: Bytes,
+) -> Result<()> {
+    let mut states: Vec<u64> = configs.map(|config| state(config, host).0).collect();
+    states.sort_unstable_by(|a, b| b.cmp(a));
+    let most: u64 = states.iter().take(at_a_time).sum();
+    ensure!(
+        most <= MAX_STATE.0,
+        "the {at_a_time} largest of {} points together take {:.1} GiB, more than {:.0} GiB; take fewer --threads, \
+         longer lines or less memory",
+        states.len(),
+        gib(most),
+        gib(MAX_STATE.0)
+    );
+    Ok(())
+}
+
+fn gib(bytes: u64) -> f64 {
+    bytes as f64 / f64::from(1 << 30)
+}
+
 /// Memory that the state of a simulation takes.
-#[must_use]
-pub fn state(config: CacheConfig, host: Bytes) -> Bytes {
+fn state(config: CacheConfig, host: Bytes) -> Bytes {
     let CacheConfig { geometry, .. } = config;
     let line = geometry.line().0;
     let host_lines = host.0.div_ceil(line);

@@ -54,15 +54,14 @@ pub type Point = Vec<(String, String)>;
 pub fn grid(axes: &[Axis]) -> Vec<Point> {
     let mut points = vec![Vec::new()];
     for axis in axes {
-        let with = |point: &Point| {
-            let point = point.clone();
+        let with = |point: Point| {
             axis.values.iter().map(move |value| {
                 let mut point = point.clone();
                 point.push((axis.name.clone(), value.clone()));
                 point
             })
         };
-        points = points.iter().flat_map(with).collect();
+        points = points.into_iter().flat_map(with).collect();
     }
     points
 }

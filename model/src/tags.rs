@@ -3,6 +3,7 @@
 
 use crate::chip_config::{CHIP_CACHE_WAYS, ChipConfig, Version};
 use crate::data_set::DataSet;
+use crate::hash::Hash;
 use crate::metadata::ENTRY_BYTES;
 use crate::sdram::Direction;
 use crate::set::{Outcome, Policy, Set};
@@ -121,8 +122,8 @@ impl<const WAYS: usize> MovingMetadata<WAYS> {
     }
 
     fn use_granule(&mut self, granule: u32, change: bool) {
-        let sets = self.cache.len();
-        let cached = &mut self.cache[granule as usize & (sets - 1)];
+        let index = Hash::Low.set_of(LineAddr(granule), self.cache.len().ilog2());
+        let cached = &mut self.cache[index.0 as usize];
         let (next, outcome, write_back) = cached.access(LineAddr(granule), Policy::Lru, || []);
         *cached = if change { next.write(outcome.way(), []) } else { next };
         if let Outcome::Miss { .. } = outcome {
@@ -163,7 +164,6 @@ mod tests {
     use super::*;
     use crate::chip_config::MetadataCacheConfig;
     use crate::geometry::Geometry;
-    use crate::hash::Hash;
     use crate::metadata_cache::CachedMetadata;
     use crate::units::Bytes;
     use crate::vm::CacheConfig;

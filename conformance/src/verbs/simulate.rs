@@ -4,33 +4,70 @@ use crate::args::{CacheArgs, ChipArgs, SceneArgs, TraceArgs, describe};
 use crate::limits::check_state;
 use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
-use crate::simulate::{Row, record_warm};
+use crate::simulate::{Recording, Row, record_warm};
 use crate::summary::Summary;
 use crate::table::{Column, Table, mb};
 use crate::world::World;
 use anyhow::Result;
 use saarcor_model::chip::simulate;
-use saarcor_model::chip_config::{UNIT_NAMES, Version};
+use saarcor_model::chip_config::{ChipConfig, UNIT_NAMES, Version};
+use saarcor_model::program::Programs;
 use saarcor_model::units::Bytes;
 use std::path::PathBuf;
+
+/// A frame, and the chip that it is simulated on.
+#[derive(Clone, Debug, clap::Args)]
+pub struct FrameArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Frame of the scene's path
+    #[arg(long, value_name = "N")]
+    pub frame: usize,
+    #[command(flatten)]
+    pub chip: ChipArgs,
+    #[command(flatten)]
+    pub trace: TraceArgs,
+    #[command(flatten)]
+    pub cache: CacheArgs,
+    /// Begins with what the N frames before left in the caches
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub warm_up: usize,
+}
+
+impl FrameArgs {
+    /// The chip.
+    ///
+    /// # Errors
+    /// If the numbers make none.
+    pub fn config(&self) -> Result<ChipConfig> {
+        let cache = self.cache.config(&self.scene.scene)?;
+        let config = self.chip.config(&self.scene.scene, cache)?;
+        config.check()?;
+        Ok(config)
+    }
+
+    /// The scene made ready, with a path that has the frame.
+    ///
+    /// # Errors
+    /// Those of [`World::open`].
+    pub fn world(&self, progress: &Progress) -> Result<World> {
+        World::open(&self.scene.options(Some(self.frame)), progress)
+    }
+
+    /// What the frames before do that warm the caches, and the frame.
+    pub fn record(&self, world: &World, progress: &Progress) -> (Vec<Programs>, Recording) {
+        let options = self.trace.options();
+        progress.during("trace", |report| {
+            record_warm(world, self.frame, self.warm_up, &options, self.chip.order, report)
+        })
+    }
+}
 
 /// Step two of the paper's §4: a frame on the whole chip, cycle by cycle
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]
-    scene: SceneArgs,
-    /// Frame of the scene's path
-    #[arg(long, value_name = "N")]
-    frame: usize,
-    #[command(flatten)]
-    chip: ChipArgs,
-    #[command(flatten)]
-    trace: TraceArgs,
-    #[command(flatten)]
-    cache: CacheArgs,
-    /// Begins with what the N frames before left in the caches
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    warm_up: usize,
+    frame: FrameArgs,
     /// The picture, a PNG file
     #[arg(short, long, value_name = "FILE.png")]
     out: Option<PathBuf>,
@@ -42,26 +79,23 @@ pub struct Args {
 impl Args {
     /// Simulates, and prints what the frame took.
     pub fn run(self, progress: &Progress) -> Result<()> {
-        let cache = self.cache.config(&self.scene.scene)?;
-        let config = self.chip.config(&self.scene.scene, cache)?;
-        config.check()?;
+        let config = self.frame.config()?;
         let file = self.out.as_deref().map(OutFile::check).transpose()?;
-        let world = World::open(&self.scene.options(Some(self.frame)), progress)?;
-        check_state(cache, Bytes(world.image.bytes.len() as u64))?;
+        let world = self.frame.world(progress)?;
+        check_state(config.cache, Bytes(world.image.bytes.len() as u64))?;
         let summary = Summary::of(&world);
         summary.lines().iter().chain([&summary.image_line()]).for_each(|line| progress.say(line));
         if config.version != Version::None {
-            progress.say(describe(&cache));
+            progress.say(describe(&config.cache));
         }
 
-        let (options, order) = (self.trace.options(), self.chip.order);
-        let (before, recording) = progress
-            .during("trace", |report| record_warm(&world, self.frame, self.warm_up, &options, order, report));
+        let (before, recording) = self.frame.record(&world, progress);
         let report = progress.during("chip", |_| simulate(&before, &recording.programs, &config))?;
         if let Some(file) = file {
             file.write(|out| recording.picture.write_png(out))?;
         }
-        let row = Row::new(&self.scene.scene, self.frame, recording.picture.rays.total(), &config, &report);
+        let FrameArgs { scene, frame, .. } = &self.frame;
+        let row = Row::new(&scene.scene, *frame, recording.picture.rays.total(), &config, &report);
         let mut out = Stdout::new();
         if self.json {
             json_line(&mut out, &row)?;

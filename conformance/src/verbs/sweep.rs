@@ -1,15 +1,14 @@
 //! `saarcor sweep` and `saarcor merge`.
 
-use crate::args::{CacheArgs, ChipArgs, SceneArgs, TraceArgs, vary};
-use crate::limits::{MAX_STATE, state};
+use super::simulate::FrameArgs;
+use crate::args::vary;
+use crate::limits::check_together;
 use crate::output::{OutFile, Stdout};
 use crate::progress::Progress;
-use crate::simulate::record_warm;
 use crate::summary::Summary;
 use crate::sweep::{Axis, Point, Position, Results, Shard, grid, identity, merged, result};
 use crate::table::{Column, Table, mb};
-use crate::world::World;
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, anyhow};
 use saarcor_model::chip_config::ChipConfig;
 use saarcor_model::units::Bytes;
 use serde_json::Value;
@@ -19,23 +18,11 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]
-    scene: SceneArgs,
-    /// Frame of the scene's path
-    #[arg(long, value_name = "N")]
-    frame: usize,
+    frame: FrameArgs,
     /// What varies: line, ways, hash, memory, policy, pci, threads, metadata-cache, triangle-cache or
     /// variant, with its values if not the usual ones; several make a grid
     #[arg(long, value_name = "AXIS[=VALUE,..]", required = true)]
     over: Vec<Axis>,
-    #[command(flatten)]
-    chip: ChipArgs,
-    #[command(flatten)]
-    trace: TraceArgs,
-    #[command(flatten)]
-    cache: CacheArgs,
-    /// Begins with what the N frames before left in the caches
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    warm_up: usize,
     /// Part I of N of the points, for several machines; 'saarcor merge' joins the parts
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
@@ -53,27 +40,26 @@ pub struct Args {
 impl Args {
     /// Simulates what is left of the points, and prints all results.
     pub fn run(self, progress: &Progress) -> Result<()> {
+        let frame = &self.frame;
         let all = grid(&self.over);
         let configs = all.iter().map(|point| self.config(point)).collect::<Result<Vec<_>>>()?;
         let csv = self.csv.as_deref().map(OutFile::check).transpose()?;
         let sweep =
-            identity(&(&self.scene, self.frame, &self.trace, self.chip.order, self.warm_up, &configs));
+            identity(&(&frame.scene, frame.frame, &frame.trace, frame.chip.order, frame.warm_up, &configs));
         let position = |point| Position { sweep: sweep.clone(), point, points: all.len() };
         let mine = (0..all.len()).filter(|&point| self.shard.is_none_or(|shard| shard.has(point)));
         let mine: Vec<usize> = mine.collect();
         let expected: Vec<_> = mine.iter().map(|&point| position(point)).collect();
         let mut results = Results::open(self.out.as_deref(), &expected)?;
         if results.lines.len() < mine.len() {
-            let world = World::open(&self.scene.options(Some(self.frame)), progress)?;
+            let world = frame.world(progress)?;
             let at_a_time = rayon::current_num_threads();
-            check_memory(&configs, at_a_time, Bytes(world.image.bytes.len() as u64))?;
+            let caches = configs.iter().map(|config| config.cache);
+            check_together(caches, at_a_time, Bytes(world.image.bytes.len() as u64))?;
             progress.say(Summary::of(&world).image_line());
             progress.say(format!("{} points, {} left", mine.len(), mine.len() - results.lines.len()));
-            let (options, order) = (self.trace.options(), self.chip.order);
-            let (before, recording) = progress.during("trace", |report| {
-                record_warm(&world, self.frame, self.warm_up, &options, order, report)
-            });
-            let frame = (self.scene.scene.as_str(), self.frame, recording.picture.rays.total());
+            let (before, recording) = frame.record(&world, progress);
+            let frame = (frame.scene.scene.as_str(), frame.frame, recording.picture.rays.total());
             progress.during("points", |report| {
                 results.complete(&mine, at_a_time, report, |&point| {
                     let programs = (&before[..], &recording.programs);
@@ -86,35 +72,16 @@ impl Args {
 
     /// The chip of a point.
     fn config(&self, point: &Point) -> Result<ChipConfig> {
-        let (mut cache, mut chip) = (self.cache.clone(), self.chip.clone());
-        let text: Vec<_> = point.iter().map(|(axis, value)| format!("{axis}={value}")).collect();
-        let text = text.join(" ");
+        let mut frame = self.frame.clone();
         for (axis, value) in point {
-            vary(axis, value, &mut cache, &mut chip)
+            vary(axis, value, &mut frame.cache, &mut frame.chip)
                 .map_err(|right| anyhow!("--over {axis}={value}: {right}"))?;
         }
-        let cache = cache.config(&self.scene.scene).with_context(|| text.clone())?;
-        let config = chip.config(&self.scene.scene, cache).with_context(|| text.clone())?;
-        config.check().context(text)?;
-        Ok(config)
+        frame.config().with_context(|| {
+            let text: Vec<_> = point.iter().map(|(axis, value)| format!("{axis}={value}")).collect();
+            text.join(" ")
+        })
     }
-}
-
-/// Checks that the points that are worked on together can be held.
-fn check_memory(configs: &[ChipConfig], at_a_time: usize, host: Bytes) -> Result<()> {
-    let mut states: Vec<u64> = configs.iter().map(|config| state(config.cache, host).0).collect();
-    states.sort_unstable_by(|a, b| b.cmp(a));
-    let most: u64 = states.iter().take(at_a_time).sum();
-    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
-    ensure!(
-        most <= MAX_STATE.0,
-        "the {at_a_time} largest of {} points together take {:.1} GiB, more than {:.0} GiB; take fewer --threads, \
-         longer lines or less memory",
-        configs.len(),
-        gib(most),
-        gib(MAX_STATE.0)
-    );
-    Ok(())
 }
 
 /// Parts of a sweep as one
