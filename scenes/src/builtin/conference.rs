@@ -2,6 +2,8 @@
 //! light chairs along the walls, windows behind blinds, panelled walls and a suspended ceiling.
 //!
 //! Most of its triangles are small, and many are slivers: the vanes of blinds, wire, piping, tube.
+//! Nothing but a mirror on the wall sends secondary rays, since Table 2's Conference takes the time
+//! of one ray a pixel and one more a light.
 
 use std::f32::consts::TAU;
 
@@ -13,8 +15,8 @@ use super::building::{
     switch, venetian_blind, vertical_blind, wainscot, wall, window,
 };
 use super::equipment::{
-    bin, clock, extinguisher, jug, laptop, lying, mug, notice_board, pen, picture, plant, sheet, spiral_pad,
-    telephone, tumbler, wire_bin,
+    bin, clock, extinguisher, jug, laptop, lying, mug, notice_board, paper_cup, pen, picture, plant, sheet,
+    spiral_pad, telephone, wire_bin,
 };
 use super::finish::Finish;
 use super::furniture::{
@@ -100,7 +102,7 @@ fn path() -> Vec<Camera> {
         .collect();
     let mut path = cameras(&evenly(&stops, WALK_FRAMES), WALK_FRAMES, 60.0);
     let still = |eye, target, fov| cameras(&[WayPoint { frame: 0.0, eye, target }], 1, fov);
-    path.extend(still(vec3(5.4, 2.15, 3.0), vec3(-1.2, 0.55, -0.5), 62.0));
+    path.extend(still(vec3(4.6, 1.9, 2.6), vec3(0.2, 0.5, -0.6), 50.0));
     path.extend(still(vec3(-3.3, 1.05, 2.3), vec3(-0.4, 0.55, 0.2), 45.0));
     path
 }
@@ -166,7 +168,7 @@ fn openings(room: &mut Mesh) {
 
 fn ceiling(room: &mut Mesh) {
     let (half, height) = (vec2(ROOM.x, ROOM.z), ROOM.y);
-    ceiling_grid(room, -half, half, height, vec2(0.6, 0.6));
+    ceiling_grid(room, -half, half, height, vec2(1.2, 1.2));
     let lamp = louvre_lamp(16);
     for x in [-4.2, -1.8, 1.8, 4.2] {
         for z in [-2.55, -0.9, 0.9, 2.55] {
@@ -182,9 +184,9 @@ fn ceiling(room: &mut Mesh) {
             32,
             1,
         );
-        room.cylinder(Finish::Chrome.surface(), [(at(1.7, 0.05), 0.010), (at(1.7, 0.001), 0.015)], 16, 1);
+        room.cylinder(Finish::Steel.surface(), [(at(1.7, 0.05), 0.010), (at(1.7, 0.001), 0.015)], 16, 1);
         room.closed_cylinder(
-            Finish::Chrome.surface(),
+            Finish::Steel.surface(),
             [(at(1.7, 0.056), 0.025), (at(1.7, 0.052), 0.025)],
             24,
             1,
@@ -223,7 +225,7 @@ fn chairs(room: &mut Mesh, random: &mut Random) {
 fn table(room: &mut Mesh, random: &mut Random) {
     room.append(&meeting_table(TABLE_LENGTH, TABLE_WIDTH, Finish::PolishedWood), placed(Vec3::ZERO, 0.0));
     let on_top = |x: f32, z: f32| vec3(x, TABLE_TOP + 0.0005, z);
-    let (glass, cup, paper) = (tumbler(), mug(Finish::Porcelain, 24), sheet(0.05));
+    let (disposable, cup, paper) = (paper_cup(), mug(Finish::Porcelain, 24), sheet(0.05));
     let (pad, computer) = (spiral_pad(24), laptop());
     let pens = [Finish::BookBlue, Finish::SignalRed, Finish::PlasticBlack].map(pen);
     for i in 0..14 {
@@ -231,7 +233,7 @@ fn table(room: &mut Mesh, random: &mut Random) {
         let turns = if side > 0.0 { 0.0 } else { 0.5 };
         // A place for one sitter: +z towards the chair.
         let mut place = empty();
-        place.append(&glass, placed(vec3(0.22, 0.0, -0.12), 0.0));
+        place.append(&disposable, placed(vec3(0.22, 0.0, -0.12), 0.0));
         if i % 3 != 0 {
             place.append(&cup, placed(vec3(0.23, 0.0, 0.03), random.unit()));
         }
@@ -292,7 +294,7 @@ fn walls(room: &mut Mesh, random: &mut Random) {
     }
     // A mirror in a frame.
     let (low, high) = (vec3(x - 0.012, 1.2, 2.05), vec3(x - 0.002, 2.1, 2.75));
-    block(room, Finish::Chrome, low, high);
+    block(room, Finish::Mirror, low, high);
     hang(room, &radiator(30), vec3(x, 0.0, 0.0), Vec3::NEG_X);
     let case = bookcase(1.4, 5, random);
     hang(room, &case, vec3(x - 0.01, 0.0, 2.4 - 5.6), Vec3::NEG_X);

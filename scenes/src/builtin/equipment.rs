@@ -32,10 +32,10 @@ pub fn mug(finish: Finish, sides: u32) -> Mesh {
     mug
 }
 
-/// A glass: two walls of glass and a thick bottom.
+/// A cup of paper.
 #[must_use]
-pub fn tumbler() -> Mesh {
-    let mut glass = empty();
+pub fn paper_cup() -> Mesh {
+    let mut cup = empty();
     let profile = [
         vec2(0.0, 0.0),
         vec2(0.028, 0.0),
@@ -46,11 +46,11 @@ pub fn tumbler() -> Mesh {
         vec2(0.0285, 0.014),
         vec2(0.0, 0.011),
     ];
-    glass.lathe(Finish::Glass.surface(), &profile, 28);
-    glass
+    cup.lathe(Finish::Paper.surface(), &profile, 28);
+    cup
 }
 
-/// A glass jug with a handle, on a chrome tray.
+/// A steel jug with a handle, on a tray.
 #[must_use]
 pub fn jug() -> Mesh {
     let mut jug = empty();
@@ -70,12 +70,12 @@ pub fn jug() -> Mesh {
         (0.0, 0.018),
     ]
     .map(Vec2::from);
-    jug.lathe(Finish::Glass.surface(), &profile, 40);
+    jug.lathe(Finish::Steel.surface(), &profile, 40);
     let handle =
         [vec3(0.050, 0.215, 0.0), vec3(0.115, 0.21, 0.0), vec3(0.11, 0.09, 0.0), vec3(0.071, 0.08, 0.0)];
-    jug.tube(Finish::Glass.surface(), &rounded_line(&handle, 0.05, 8), 0.007, 12);
+    jug.tube(Finish::Steel.surface(), &rounded_line(&handle, 0.05, 8), 0.007, 12);
     let tray = [(0.0, 0.001), (0.15, 0.001), (0.165, 0.012), (0.163, 0.013), (0.149, 0.004), (0.0, 0.004)];
-    jug.lathe(Finish::Chrome.surface(), &tray.map(Vec2::from), 48);
+    jug.lathe(Finish::Steel.surface(), &tray.map(Vec2::from), 48);
     jug
 }
 

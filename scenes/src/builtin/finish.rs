@@ -4,7 +4,7 @@ use glam::vec3;
 use saarcor_model::scene::{Material, Triangle};
 
 use super::mesh::Surface;
-use super::palette::{glass, glossy, matt, mirror};
+use super::palette::{glossy, matt, mirror};
 
 /// A named material.
 ///
@@ -46,14 +46,13 @@ pub enum Finish {
     BookBlue,
     BookOchre,
     PolishedWood,
-    Chrome,
-    Glass,
+    Mirror,
     Pane,
 }
 
 impl Finish {
     /// Every finish, in the order of the numbers.
-    const ALL: [Self; 36] = [
+    const ALL: [Self; 35] = [
         Self::Plaster,
         Self::Plasterboard,
         Self::CeilingTile,
@@ -87,8 +86,7 @@ impl Finish {
         Self::BookBlue,
         Self::BookOchre,
         Self::PolishedWood,
-        Self::Chrome,
-        Self::Glass,
+        Self::Mirror,
         Self::Pane,
     ];
 
@@ -161,10 +159,9 @@ impl Finish {
             Self::BookGreen => matt(vec3(0.20, 0.40, 0.30)),
             Self::BookBlue => matt(vec3(0.20, 0.30, 0.52)),
             Self::BookOchre => matt(vec3(0.66, 0.52, 0.26)),
-            Self::PolishedWood => mirror(vec3(0.42, 0.26, 0.20), 0.25),
-            Self::Chrome => mirror(vec3(0.30, 0.30, 0.32), 0.5),
-            Self::Glass => glass(vec3(0.20, 0.22, 0.22), 0.85, 1.3),
-            Self::Pane => glass(vec3(0.20, 0.22, 0.24), 0.8, 1.1),
+            Self::PolishedWood => glossy(vec3(0.42, 0.26, 0.20)),
+            Self::Mirror => mirror(vec3(0.30, 0.30, 0.32), 0.5),
+            Self::Pane => glossy(vec3(0.20, 0.24, 0.30)),
         }
     }
 }
@@ -185,10 +182,10 @@ mod tests {
     #[test]
     fn only_the_materials_in_use_remain() {
         let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
-        let mut triangles = [Finish::Glass, Finish::Carpet, Finish::Glass]
+        let mut triangles = [Finish::Mirror, Finish::Carpet, Finish::Mirror]
             .map(|finish| Triangle { corners, material: finish.surface().material });
         let materials = Finish::materials(&mut triangles);
-        assert_eq!(materials, [Finish::Carpet.material(), Finish::Glass.material()]);
+        assert_eq!(materials, [Finish::Carpet.material(), Finish::Mirror.material()]);
         assert_eq!(triangles.map(|triangle| triangle.material), [1, 0, 1]);
     }
 }

@@ -19,12 +19,12 @@ use super::furniture::{
     whiteboard, wooden_chair,
 };
 use super::mesh::{Mesh, Random};
-use super::path::{WayPoint, cameras, evenly};
+use super::path::{cameras, evenly};
 
 /// Triangles (Table 1, Stated).
 pub const TRIANGLES: usize = 1_510_322;
 
-/// Frames of the walk; the stills "a", "b" and "c" of Table 2 follow it.
+/// Frames of the walk.
 pub const WALK_FRAMES: u32 = 600;
 
 const SEED: u64 = 0x50da_4a11;
@@ -192,8 +192,8 @@ fn offices() -> Vec<Office> {
 }
 
 impl Office {
-    /// The office that the walk enters, by floor and index, and the one of the still "b".
-    const VISITED: [(u32, u32); 2] = [(1, 1), (4, 12)];
+    /// The office that the walk enters, by floor and index.
+    const VISITED: (u32, u32) = (1, 1);
 
     /// Where the inner faces of the walls are.
     fn inner(&self) -> Vec2 {
@@ -213,7 +213,7 @@ impl Office {
     fn furnished(&self, kit: &Kit, floor: u32, random: &mut Random) -> Mesh {
         let mut room = empty();
         let Vec2 { x: w, y: d } = self.inner();
-        let visited = Self::VISITED.contains(&(floor, self.index));
+        let visited = Self::VISITED == (floor, self.index);
 
         // Window wall.
         let sash = window(vec2(2.4, 1.5), 2, false);
@@ -642,7 +642,7 @@ fn looking_ahead(eyes: &[Vec3], end: Vec3) -> Vec<(Vec3, Vec3)> {
         .collect()
 }
 
-/// The walk and the three stills.
+/// The walk.
 fn path() -> Vec<Camera> {
     let up = |floor: f32| floor * STOREY + EYE;
     // The middles of the western stairs' two flights.
@@ -704,10 +704,5 @@ fn path() -> Vec<Camera> {
     stops.extend(looking_ahead(&upstairs, desk));
     stops.extend(office);
     stops.extend(looking_ahead(&around, vec3(3.0, up(1.5), 9.0)));
-    let mut path = cameras(&evenly(&stops, WALK_FRAMES), WALK_FRAMES, 60.0);
-    let still = |eye, target, fov| cameras(&[WayPoint { frame: 0.0, eye, target }], 1, fov);
-    path.extend(still(vec3(21.0, up(3.0), NORTH), vec3(0.0, up(3.0) - 0.6, NORTH - 0.2), 60.0));
-    path.extend(still(vec3(3.8, up(4.0), -12.3), vec3(1.0, up(4.0) - 0.8, -14.6), 65.0));
-    path.extend(still(vec3(5.5, up(5.0), CORE.y + 0.6), vec3(-2.0, up(2.0), -6.0), 60.0));
-    path
+    cameras(&evenly(&stops, WALK_FRAMES), WALK_FRAMES, 60.0)
 }
