@@ -13,6 +13,7 @@ use saarcor_model::hash::Hash;
 use saarcor_model::intersection::Kernel;
 use saarcor_model::memory::Port;
 use saarcor_model::pci::PciConfig;
+use saarcor_model::sdram::SdramConfig;
 use saarcor_model::set::Policy;
 use saarcor_model::units::Bytes;
 use saarcor_model::vm::CacheConfig;
@@ -175,6 +176,12 @@ pub struct SceneArgs {
     /// Takes only the first N lights
     #[arg(long, value_name = "N")]
     lights: Option<usize>,
+    /// Leaves textures and bump maps away
+    #[arg(long)]
+    no_textures: bool,
+    /// Halves both sides of each texture and bump map N times, as a mip map would
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=16))]
+    halve_textures: u32,
     /// How the kd-tree is built: surface area heuristic, or spatial median as in 2003
     #[arg(long, value_parser = choice(TREES), default_value = name_of(TREES, &SplitRule::SurfaceArea))]
     tree: SplitRule,
@@ -190,6 +197,8 @@ impl SceneArgs {
         WorldOptions {
             scene: self.scene.clone(),
             lights: self.lights,
+            no_textures: self.no_textures,
+            halve_textures: self.halve_textures,
             tree: BuildOptions { rule: self.tree, ..BuildOptions::default() },
             kernel: self.kernel,
             last_frame,
@@ -304,6 +313,9 @@ pub struct ChipArgs {
     /// Bytes of metadata that are read and written back together
     #[arg(long, value_name = "SIZE", default_value_t = Size(Bytes(16)))]
     granule: Size,
+    /// Banks of the on-board memory
+    #[arg(long, value_name = "N", default_value_t = SdramConfig::STANDARD.banks)]
+    banks: u32,
     /// Size of a first-level cache, such as intersection=576KiB [default: the paper's]
     #[arg(long, value_name = "UNIT=SIZE")]
     l1: Vec<UnitSize>,
@@ -327,6 +339,7 @@ impl ChipArgs {
     pub fn config(&self, scene: &str, cache: CacheConfig) -> Result<ChipConfig> {
         let mut config = ChipConfig::standard(self.variant, cache);
         config.pci = self.pci;
+        config.sdram.banks = self.banks;
         config.pipelines = self.pipelines;
         config.threads = self.threads_per_rtp;
         let narrow = |what: &str, Size(Bytes(bytes)): Size| {
@@ -358,7 +371,7 @@ impl ChipArgs {
 
 /// What a sweep can vary, each with the values that it takes if none are named. (Lines of 32 bytes
 /// are less than the standard lines of two first-level caches, and so make no chip by themselves.)
-pub const AXES: [(&str, &str); 10] = [
+pub const AXES: [(&str, &str); 13] = [
     ("line", "64,128,256,512,1KiB,2KiB,4KiB"),
     ("ways", "1,2,4,8,16"),
     ("hash", "low,add-upper,add-upper-all"),
@@ -367,7 +380,10 @@ pub const AXES: [(&str, &str); 10] = [
     ("pci", "33x32,66x64"),
     ("threads", "1,2,4,8,16,32"),
     ("metadata-cache", "16KiB,32KiB,64KiB,128KiB,256KiB"),
+    ("granule", "16,32,64,128"),
     ("triangle-cache", "144KiB,576KiB"),
+    ("shading-line", "16,32,64"),
+    ("banks", "2,4,8,16"),
     ("variant", "none,a,b"),
 ];
 
@@ -383,12 +399,17 @@ pub fn vary(axis: &str, value: &str, cache: &mut CacheArgs, chip: &mut ChipArgs)
         "memory" => cache.memory = Some(value.parse()?),
         "policy" => cache.policy = named(POLICIES, value)?,
         "pci" => chip.pci = named(BUSES, value)?,
+        "banks" => chip.banks = value.parse().map_err(|_| "write a number of banks")?,
         "threads" => {
             chip.threads_per_rtp = value.parse().map_err(|_| "write a number of threads a pipeline")?
         }
         "metadata-cache" => chip.metadata_cache = value.parse()?,
+        "granule" => chip.granule = value.parse()?,
         "triangle-cache" => {
             chip.l1.push(UnitSize { unit: Port::Triangle as usize, size: value.parse()? });
+        }
+        "shading-line" => {
+            chip.l1_line.push(UnitSize { unit: Port::Shading as usize, size: value.parse()? });
         }
         "variant" => chip.variant = named(VERSIONS, value)?,
         _ => {
