@@ -11,6 +11,7 @@ use crate::world::World;
 use anyhow::Result;
 use saarcor_model::geometry::Geometry;
 use saarcor_model::units::Bytes;
+use std::collections::BTreeSet;
 use std::io::{IsTerminal, stdout};
 
 /// Step one of the paper's §4: rays, traffic and working set of each frame of a walk
@@ -118,6 +119,7 @@ fn text(row: &FrameRow) -> String {
 struct Peaks {
     working_set: Option<FrameRow>,
     collisions: Option<FrameRow>,
+    loaded: Option<FrameRow>,
     loaded_bytes: u64,
 }
 
@@ -131,6 +133,9 @@ impl Peaks {
         }
         if exceeds(&self.collisions, |row| row.collisions) {
             self.collisions = Some(*row);
+        }
+        if exceeds(&self.loaded, |row| row.loaded_bytes) {
+            self.loaded = Some(*row);
         }
         self.loaded_bytes += row.loaded_bytes;
     }
@@ -150,7 +155,16 @@ impl Peaks {
             }
             _ => progress.say("no collisions"),
         }
+        if let Some(row) = &self.loaded {
+            progress.say(format_args!("most loaded: {} MB in frame {}", mb(row.loaded_bytes), row.frame));
+        }
         progress.say(format_args!("loaded in all: {} MB", mb(self.loaded_bytes)));
+        let collisions = self.collisions.filter(|row| row.collisions > 0);
+        let spots = [self.working_set, collisions, self.loaded].into_iter().flatten();
+        let spots: BTreeSet<_> = spots.map(|row| row.frame).collect();
+        let spots: Vec<_> = spots.iter().map(u64::to_string).collect();
+        progress
+            .say(format_args!("hot spots, to be run with 'saarcor simulate --frame': {}", spots.join(", ")));
     }
 }
 
