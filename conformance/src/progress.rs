@@ -75,6 +75,32 @@ impl Progress {
     }
 }
 
+/// Estimates when work of many parts will be done, from about how long each of them takes.
+#[derive(Clone, Copy, Debug)]
+pub struct Remaining {
+    started: Instant,
+    all: f64,
+    done: f64,
+}
+
+impl Remaining {
+    /// Nothing is done yet of parts that are expected to take `all` seconds together. Only their
+    /// relation among each other matters.
+    #[must_use]
+    pub fn new(all: f64) -> Self {
+        Self { started: Instant::now(), all, done: 0.0 }
+    }
+
+    /// A part that was expected to take so many seconds is done: says how much time is left.
+    pub fn done(&mut self, seconds: f64, progress: &Progress) {
+        self.done += seconds;
+        let elapsed = self.started.elapsed().as_secs_f64();
+        let left = (elapsed * (self.all / self.done - 1.0)).max(0.0);
+        let part = 100.0 * self.done / self.all;
+        progress.say(format_args!("{part:.0} % done in {elapsed:.0} s, about {left:.0} s left"));
+    }
+}
+
 fn during_bar<T>(what: &str, work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
     let bar = ProgressBar::with_draw_target(Some(BAR_STEPS), ProgressDrawTarget::stderr());
     let style = "{spinner} {msg} {bar:30} {percent:>3} %  {elapsed}, {eta} left";

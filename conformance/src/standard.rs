@@ -1,7 +1,14 @@
 //! The standard configuration: what holds where the user says nothing.
 
+use anyhow::Result;
+use saarcor_model::chip_config::{CHIP_CACHE_WAYS, ChipConfig, Version};
+use saarcor_model::geometry::Geometry;
+use saarcor_model::hash::Hash;
+use saarcor_model::memory::Port;
 use saarcor_model::rtp::Pipeline;
+use saarcor_model::set::Policy;
 use saarcor_model::units::Bytes;
+use saarcor_model::vm::CacheConfig;
 use saarcor_reference::paper;
 
 /// Size of a picture in pixels (Assumed: the paper names none).
@@ -41,6 +48,27 @@ pub fn triangle_cache(scene: &str) -> Bytes {
     Bytes(if cruiser { l1.triangle_bytes_of_cruiser } else { l1.triangle_bytes })
 }
 
+/// The virtual memory for a scene.
+///
+/// # Errors
+/// If the standard sizes do not make a cache.
+pub fn cache(scene: &str) -> Result<CacheConfig> {
+    let geometry = Geometry::new(memory(scene), line(), ways())?;
+    Ok(CacheConfig { geometry, hash: Hash::default(), policy: Policy::default() })
+}
+
+/// The chip for a scene.
+///
+/// # Errors
+/// If the standard sizes make none.
+pub fn chip(scene: &str, version: Version) -> Result<ChipConfig> {
+    let mut config = ChipConfig::standard(version, cache(scene)?);
+    let triangles = &mut config.l1[Port::Triangle as usize];
+    triangles.sets = u32::try_from(triangle_cache(scene).0)? / triangles.line / CHIP_CACHE_WAYS as u32;
+    config.check()?;
+    Ok(config)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -50,5 +78,14 @@ mod tests {
         let mib = |scene| memory(scene).0 >> 20;
         assert_eq!(["pquake3-nl", "sodahall", "conference-8l", "cruiser"].map(mib), [8, 8, 32, 64]);
         assert_eq!(mib("folder/level.obj"), 8);
+    }
+
+    #[test]
+    fn only_the_cruiser_has_the_larger_triangle_cache() {
+        let kib = |scene| {
+            let chip = chip(scene, Version::B).expect("a chip");
+            chip.l1_bytes(Port::Triangle as usize) >> 10
+        };
+        assert_eq!(["pquake3", "sodahall", "conference", "cruiser"].map(kib), [144, 144, 144, 576]);
     }
 }

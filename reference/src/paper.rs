@@ -4,7 +4,7 @@
 //! Table 1, Table 2 and the values stated in the text stand in `paper/*.toml`, as printed. All are
 //! Stated; the tests hold them to the relations that they have among each other.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
@@ -29,7 +29,7 @@ pub struct Table1Row {
 }
 
 /// A row of Table 2: a hot spot, simulated cycle by cycle.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Table2Row {
     /// Name of the scene, as in Table 1.
@@ -45,7 +45,7 @@ pub struct Table2Row {
 }
 
 /// What Table 2 says of a run with virtual memory.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VirtualRun {
     /// Frames a second.
@@ -57,7 +57,7 @@ pub struct VirtualRun {
 }
 
 /// What Table 2 says of a run without virtual memory.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LocalRun {
     /// Frames a second.

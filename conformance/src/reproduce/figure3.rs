@@ -7,11 +7,7 @@ use crate::table::{Column, Table, mb};
 use crate::walk::{FrameRow, TraceOptions, WalkOptions, walk};
 use crate::world::World;
 use anyhow::Result;
-use saarcor_model::geometry::Geometry;
-use saarcor_model::hash::Hash;
-use saarcor_model::set::Policy;
 use saarcor_model::units::Bytes;
-use saarcor_model::vm::CacheConfig;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -50,19 +46,19 @@ const CSV: [CsvColumn; 12] = [
 
 impl Graph {
     /// Walks through each `step`th frame of the world's path, from frame 0 on, with the standard
-    /// virtual memory of the scene that `name` names.
+    /// virtual memory of the paper's scene `of`.
     ///
     /// # Errors
     /// If the standard sizes do not make a cache.
     pub fn new(
         name: &str,
+        of: &str,
         world: &World,
         step: usize,
         trace: &TraceOptions,
         progress: &Progress,
     ) -> Result<Self> {
-        let geometry = Geometry::new(standard::memory(name), standard::line(), standard::ways())?;
-        let cache = CacheConfig { geometry, hash: Hash::default(), policy: Policy::default() };
+        let cache = standard::cache(of)?;
         let path_frames = world.path.len();
         let chosen = (0..path_frames).step_by(step);
         let (mut frames, length) = (Vec::new(), chosen.len());
@@ -74,7 +70,7 @@ impl Graph {
                 Ok(())
             })
         })?;
-        Ok(Self { name: name.to_owned(), memory_bytes: geometry.memory().0, path_frames, step, frames })
+        Ok(Self { name: name.to_owned(), memory_bytes: cache.geometry.memory().0, path_frames, step, frames })
     }
 
     /// The frames as comma-separated values, under a header.

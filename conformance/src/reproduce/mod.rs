@@ -1,73 +1,147 @@
-//! The paper's figures, ours beside theirs: the metadata law (§3), Table 1 and Figure 3 (§4).
+//! The paper's figures, ours beside theirs: the metadata law (§3), Table 1, Figure 3 and Table 2
+//! (§4), and what the paper claims.
 
 pub mod figure3;
 mod page;
 mod plot;
 pub mod table1;
+pub mod table2;
+pub mod verdicts;
 
 use crate::metadata::{self, MetadataFacts};
 use crate::output::{OutFile, Stdout};
-use crate::progress::Progress;
+use crate::progress::{Progress, Remaining};
 use crate::standard;
 use crate::walk::{PacketSize, TraceOptions};
 use crate::world::{World, WorldOptions};
 use anyhow::{Context, Result, ensure};
 use figure3::Graph;
-use saarcor_reference::paper;
+use saarcor_reference::paper::{self, Table1Row};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use table1::SceneRow;
+use table2::{HotSpot, Stand, Variation};
+use verdicts::Verdict;
 
 /// Size of the pictures of the quick form.
 const QUICK_RESOLUTION: (u32, u32) = (256, 192);
 
+/// How thoroughly the paths are walked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Extent {
+    /// Small pictures, and few frames of the walks.
+    Quick,
+    /// Some frames of the walks.
+    Some,
+    /// All frames of the walks.
+    All,
+}
+
 /// What to reproduce, and how thoroughly.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Smaller pictures, and only some frames of the walks.
-    pub quick: bool,
-    /// A folder with the real scenes, whose level `oa_dm3` is then walked through too.
+    /// How thoroughly.
+    pub extent: Extent,
+    /// A folder with the real scenes `oa_dm3` and `conference`, which then stand in for pQuake3
+    /// and for Conference, too.
     pub scenes: Option<PathBuf>,
 }
 
 /// All figures that were reproduced.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
-    /// Whether this is the quick form.
-    pub quick: bool,
-    /// Pixels a row, and rows, of the walks' pictures.
+    /// How thoroughly.
+    pub extent: Extent,
+    /// Pixels a row, and rows, of the pictures.
     pub resolution: (u32, u32),
     /// The examples of §3.
     pub metadata: Vec<MetadataFacts>,
     /// Table 1.
     pub table1: Vec<SceneRow>,
-    /// Figure 3's graphs.
+    /// Figure 3's graphs, and those of the other scenes.
     pub figure3: Vec<Graph>,
+    /// Table 2.
+    pub table2: Vec<HotSpot>,
+    /// Some of its hot spots with other virtual memories.
+    pub variations: Vec<Variation>,
+    /// The paper's claims.
+    pub verdicts: Vec<Verdict>,
 }
 
-/// A scene to be walked through, for a graph of Figure 3.
+/// A scene of the paper whose path is walked: one frame in so many, of the usual and of the quick
+/// form. The paper's Figure 3 has the first and the last.
 struct Walk {
-    /// Name or path of the scene.
-    scene: String,
-    /// Name of the graph's files.
-    name: &'static str,
-    /// The quick form takes one frame in so many.
+    of: &'static str,
+    step: usize,
     quick_step: usize,
 }
 
-impl Walk {
-    /// Figure 3's graphs.
-    fn of_the_paper() -> [Self; 2] {
-        let walk = |name: &'static str, quick_step| Self { scene: name.to_owned(), name, quick_step };
-        [walk("pquake3", 10), walk("cruiser", 40)]
+const WALKS: [Walk; 4] = [
+    Walk { of: "pQuake3", step: 2, quick_step: 10 },
+    Walk { of: "Conference", step: 10, quick_step: 40 },
+    Walk { of: "Sodahall", step: 10, quick_step: 60 },
+    Walk { of: "Cruiser", step: 20, quick_step: 40 },
+];
+
+/// The real scenes, and the families of the paper's scenes for which they stand in.
+const REAL_SCENES: [(&str, &str); 2] = [("oa_dm3", "pQuake3"), ("conference", "Conference")];
+
+/// One of our scenes in the place of one of the paper's.
+struct Part {
+    row: &'static Table1Row,
+    /// Name of its graph's files.
+    name: String,
+    /// Whether it is a real scene.
+    real: bool,
+    options: WorldOptions,
+}
+
+impl Part {
+    /// All parts: the built-in scenes, then those of `scenes`.
+    fn all(scenes: Option<&Path>) -> Result<Vec<Self>> {
+        let built_in = |row: &'static Table1Row| {
+            let name = row.scene.to_lowercase();
+            Self { row, options: WorldOptions::new(&name), name, real: false }
+        };
+        let mut parts: Vec<Self> = paper::table1().iter().map(built_in).collect();
+        for (scenes, (scene, family)) in
+            scenes.into_iter().flat_map(|scenes| REAL_SCENES.map(|real| (scenes, real)))
+        {
+            let path = scenes.join(scene).join(scene).with_extension("obj");
+            ensure!(path.is_file(), "--scenes {}: holds no {scene}/{scene}.obj", scenes.display());
+            let file = path.to_str().with_context(|| format!("{}: is no text", path.display()))?;
+            let name = format!("real-{scene}");
+            for row in paper::table1().iter().filter(|row| paper::family(&row.scene) == family) {
+                let options = WorldOptions {
+                    lights: Some(row.lights as usize),
+                    no_textures: row.textures_mb.is_none(),
+                    ..WorldOptions::new(file)
+                };
+                parts.push(Self { row, name: name.clone(), real: true, options });
+            }
+        }
+        Ok(parts)
     }
 
-    /// The level that the scenes' folder holds in the place of pQuake3.
-    fn of_the_real_level(scenes: &Path) -> Result<Self> {
-        let path = scenes.join("oa_dm3").join("oa_dm3.obj");
-        ensure!(path.is_file(), "--scenes {}: holds no oa_dm3/oa_dm3.obj", scenes.display());
-        let scene = path.to_str().with_context(|| format!("{}: is no text", path.display()))?;
-        Ok(Self { scene: scene.to_owned(), name: "oa_dm3", quick_step: 10 })
+    /// Which frames are walked, if any: one in so many.
+    fn step(&self, extent: Extent) -> Option<usize> {
+        let walk = WALKS.iter().find(|walk| walk.of == self.row.scene)?;
+        Some(match extent {
+            Extent::Quick => walk.quick_step,
+            Extent::Some => walk.step,
+            Extent::All => 1,
+        })
+    }
+
+    /// About how many seconds it takes on two cores, for the estimate of the time left.
+    fn seconds(&self, extent: Extent) -> f64 {
+        let pixels = if extent == Extent::Quick { 1.0 / 16.0 } else { 1.0 };
+        // The Cruiser's rays find most of what they read neither in the caches nor in sight.
+        let frame = if self.row.scene == "Cruiser" { 4.0 } else { 0.4 * f64::from(1 + self.row.lights) };
+        let frames = self.step(extent).map_or(0.0, |step| 1000.0 / step as f64);
+        let hot_spots = paper::table2().iter().filter(|row| row.scene == self.row.scene).count();
+        self.row.triangles as f64 * 1e-5 + pixels * frame * (frames + 12.0 * hot_spots as f64)
     }
 }
 
@@ -77,31 +151,33 @@ impl Report {
     /// # Errors
     /// If a scene cannot be made ready.
     pub fn new(options: &Options, progress: &Progress) -> Result<Self> {
-        let real = options.scenes.as_deref().map(Walk::of_the_real_level).transpose()?;
-        let resolution = if options.quick { QUICK_RESOLUTION } else { standard::RESOLUTION };
+        let extent = options.extent;
+        let parts = Part::all(options.scenes.as_deref())?;
+        let resolution = if extent == Extent::Quick { QUICK_RESOLUTION } else { standard::RESOLUTION };
         let trace =
             TraceOptions { resolution, packet: PacketSize::Rays64, max_bounces: standard::MAX_BOUNCES };
-        let graph = |walk: &Walk, world: &World| {
-            let step = if options.quick { walk.quick_step } else { 1 };
-            Graph::new(walk.name, world, step, &trace, progress)
-        };
 
-        let (mut table1, mut figure3) = (Vec::new(), Vec::new());
-        let walks = Walk::of_the_paper();
-        for row in paper::table1() {
-            let name = row.scene.to_lowercase();
+        let mut remaining = Remaining::new(parts.iter().map(|part| part.seconds(extent)).sum());
+        let (mut table1, mut figure3, mut runs) = (Vec::new(), Vec::new(), (Vec::new(), Vec::new()));
+        for part in &parts {
             // One world at a time: the largest takes a few GB.
-            let world = World::open(&WorldOptions::new(&name), progress)?;
-            table1.push(SceneRow::new(row, &world));
-            if let Some(walk) = walks.iter().find(|walk| walk.scene == name) {
-                figure3.push(graph(walk, &world)?);
+            let world = World::open(&part.options, progress)?;
+            if !part.real {
+                table1.push(SceneRow::new(part.row, &world));
             }
+            if let Some(step) = part.step(extent) {
+                figure3.push(Graph::new(&part.name, &part.row.scene, &world, step, &trace, progress)?);
+            }
+            let stand = Stand { scene: &part.name, real: part.real, of: &part.row.scene };
+            table2::hot_spots(stand, &world, &trace, progress, &mut runs)?;
+            remaining.done(part.seconds(extent), progress);
         }
-        if let Some(walk) = real {
-            let world = World::open(&WorldOptions::new(&walk.scene), progress)?;
-            figure3.push(graph(&walk, &world)?);
-        }
-        Ok(Self { quick: options.quick, resolution, metadata: metadata::examples(), table1, figure3 })
+        let (table2, variations) = runs;
+        let metadata = metadata::examples();
+        let mut report =
+            Self { extent, resolution, metadata, table1, figure3, table2, variations, verdicts: Vec::new() };
+        report.verdicts = verdicts::judge(&report);
+        Ok(report)
     }
 
     /// Prints the figures as tables, and why they differ.
@@ -109,12 +185,18 @@ impl Report {
     /// # Errors
     /// If they cannot be written.
     pub fn print(&self, out: &mut Stdout) -> Result<()> {
-        for (caption, table) in page::tables(self) {
+        for (caption, table) in page::tables(self).into_iter().flatten() {
             out.line(&caption)?;
             out.line("")?;
             out.line(table)?;
             out.line("")?;
         }
+        out.line("What the paper claims")?;
+        out.line("")?;
+        for Verdict { claim, verdict, numbers } in &self.verdicts {
+            out.line(format_args!("{claim}: {verdict}\n    {numbers}"))?;
+        }
+        out.line("")?;
         out.line("What differs, and why")?;
         out.line("")?;
         for (what, why) in page::DIFFERENCES {

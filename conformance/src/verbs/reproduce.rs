@@ -2,20 +2,23 @@
 
 use crate::output::{Stdout, json_line};
 use crate::progress::Progress;
-use crate::reproduce::{Folder, Options, Report};
+use crate::reproduce::{Extent, Folder, Options, Report};
 use anyhow::Result;
 use std::path::PathBuf;
 
 /// The paper's figures, ours beside theirs: as tables, and as a page with graphs
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Smaller pictures and fewer frames: minutes instead of hours
+    /// Small pictures, and few frames of the walks: for a first look
     #[arg(long)]
     quick: bool,
+    /// All frames of the walks: hours instead of half an hour
+    #[arg(long, conflicts_with = "quick")]
+    all_frames: bool,
     /// Folder for the page, the graphs (SVG) and their data (CSV)
     #[arg(short, long, value_name = "DIR", default_value = "target/reproduce")]
     out: PathBuf,
-    /// Folder with the real scenes: walks through its level oa_dm3 too
+    /// Folder with the real scenes: its oa_dm3 and conference stand in for pQuake3 and Conference too
     #[arg(long, value_name = "DIR")]
     scenes: Option<PathBuf>,
     /// Prints all figures as one JSON object
@@ -27,7 +30,12 @@ impl Args {
     /// Computes all figures, writes the page and prints the tables.
     pub fn run(self, progress: &Progress) -> Result<()> {
         let folder = Folder::create(&self.out)?;
-        let report = Report::new(&Options { quick: self.quick, scenes: self.scenes }, progress)?;
+        let extent = match (self.quick, self.all_frames) {
+            (true, _) => Extent::Quick,
+            (false, false) => Extent::Some,
+            (false, true) => Extent::All,
+        };
+        let report = Report::new(&Options { extent, scenes: self.scenes }, progress)?;
         let page = folder.write(&report)?;
         let mut out = Stdout::new();
         if self.json {
