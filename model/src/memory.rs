@@ -74,3 +74,33 @@ impl<T: AsRef<[u8]>> HostMemory for T {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Flat memory, and the rays of all operations.
+    struct Flat(Vec<u8>, u32);
+
+    impl Memory for Flat {
+        fn read(&mut self, _port: Port, addr: HostAddr, bytes: &mut [u8]) {
+            HostMemory::read(&self.0, addr, bytes);
+        }
+
+        fn issue(&mut self, _port: Port, rays: impl FnOnce() -> u32) {
+            self.1 += rays();
+        }
+    }
+
+    fn unit(mut memory: impl Memory) -> [u8; 4] {
+        memory.issue(Port::Node, || 5);
+        memory.fetch(Port::Node, HostAddr(1))
+    }
+
+    #[test]
+    fn reference_to_a_memory_does_what_it_does() {
+        let mut memory = Flat(vec![1, 2, 3], 0);
+        assert_eq!(unit(&mut memory), [2, 3, 0, 0]);
+        assert_eq!(memory.1, 5);
+    }
+}

@@ -342,6 +342,14 @@ mod tests {
     }
 
     #[test]
+    fn rays_that_meet_the_cell_are_counted() {
+        // Inside, in one point, not at all, and inside once more.
+        let intervals = Intervals { enter: [0.0, 2.0, 3.0, 1.0], leave: [1.0, 2.0, 1.0, 4.0] };
+        assert_eq!((intervals.count(), intervals.any(), intervals.first()), (3, true, Some(0)));
+        assert_eq!((Intervals::<4>::EMPTY.count(), Intervals::<4>::EMPTY.any()), (0, false));
+    }
+
+    #[test]
     fn planes_split_the_interval() {
         let [below, above] = visit(1.0, 5.0, widen(3.0), false);
         assert!(below.0 == 1.0 && below.1 >= 3.0 && above.0 <= 3.0 && above.1 == 5.0);

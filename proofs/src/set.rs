@@ -435,7 +435,7 @@ set_theorems! {
                 cover!(s, "a way twice", true);
             }
             2 => {
-                set.order[a] = s.value("entry", 16..=u8::MAX, &[16, 17, 128, 255]);
+                set.order[a] = s.value("entry", WAYS as u8..=u8::MAX, &BYTES[WAYS..WAYS + 2]);
                 cover!(s, "no such way", policy == Policy::Lru);
                 cover!(s, "no bit", policy == Policy::Plru);
             }

@@ -365,13 +365,13 @@ theorems! { "vm";
     /// After a flush no line is resident, the sets are as in a new cache, and the counters go on.
     #["VM-8", unwind 5, covers ["lines were resident"]]
     fn flush_forgets_all(s) {
-        let mut directory = directory::<S, WAYS, SETS>(s, &WORDS[..6])?;
-        directory.counters.accesses = 7;
-        let before = directory.clone();
-        directory.flush();
+        let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
+        memory.directory.counters.accesses = 7;
+        let before = memory.directory.clone();
         cover!(s, "lines were resident", before.sets()[1].resident[1]);
-        let new = Directory::<WAYS>::new(directory.config);
-        check_eq!(directory.sets(), new.sets(), "flush of {before:?}");
-        check_eq!(directory.counters, before.counters, "counters after the flush of {before:?}");
+        memory.flush();
+        let new = Directory::<WAYS>::new(before.config);
+        check_eq!(memory.directory.sets(), new.sets(), "flush of {before:?}");
+        check_eq!(memory.directory.counters, before.counters, "counters after the flush of {before:?}");
     }
 }
