@@ -154,8 +154,7 @@ fn texel<const BYTES: usize>(
     column: u32,
     row: u32,
 ) -> [u8; BYTES] {
-    let place = row * image.width + column;
-    memory.fetch(Port::Shading, image.texels.offset(place * BYTES as u32))
+    memory.fetch(Port::Shading, image.texels.offset(image.place(column, row) * BYTES as u32))
 }
 
 /// The colour of an image at `uv`, by bilinear interpolation (SH-2).
@@ -257,7 +256,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// An image of 2 × 2 texels in a memory of its own: black, red; green, blue.
+    /// An image of 2 × 2 texels, black, red; green, blue, in a memory of its own: column by column.
     struct Texels;
 
     const IMAGE: ImageRecord = ImageRecord { texels: HostAddr(0), width: 2, height: 2 };
@@ -265,7 +264,7 @@ mod tests {
     impl Memory for Texels {
         fn read(&mut self, port: Port, addr: HostAddr, bytes: &mut [u8]) {
             assert_eq!(port, Port::Shading);
-            let texels = [0, 0, 0, 255, 255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255];
+            let texels = [0, 0, 0, 255, 0, 255, 0, 255, 255, 0, 0, 255, 0, 0, 255, 255];
             bytes.copy_from_slice(&texels[addr.0 as usize..][..bytes.len()]);
         }
     }
