@@ -194,7 +194,10 @@ impl Report {
         out.line("What the paper claims")?;
         out.line("")?;
         for Verdict { claim, verdict, numbers } in &self.verdicts {
-            out.line(format_args!("{claim}: {verdict}\n    {numbers}"))?;
+            out.line(format_args!("{claim}: {verdict}"))?;
+            for number in numbers {
+                out.line(format_args!("    {number}"))?;
+            }
         }
         out.line("")?;
         out.line("What differs, and why")?;

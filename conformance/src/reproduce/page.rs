@@ -1,6 +1,7 @@
 //! The page: all tables and graphs of a reproduction in one HTML file that needs no other.
 
-use super::{Extent, Report, figure3, plot, table1, table2, verdicts};
+use super::verdicts::Verdict;
+use super::{Extent, Report, figure3, plot, table1, table2};
 use crate::metadata;
 use crate::table::{Table, escaped};
 use std::fmt::Write as _;
@@ -82,8 +83,12 @@ pub fn html(report: &Report) -> String {
         };
         tables.into_iter().map(element).collect::<String>()
     });
-    let verdicts =
-        verdicts::table(&report.verdicts).to_html("The paper's claims, judged by the numbers above");
+    let mut verdicts = String::new();
+    for Verdict { claim, verdict, numbers } in &report.verdicts {
+        let numbers: Vec<_> = numbers.iter().map(|number| escaped(number)).collect();
+        let (claim, numbers) = (escaped(claim), numbers.join("<br>"));
+        let _ = writeln!(verdicts, "<dt>{claim}: <em>{verdict}</em></dt><dd>{numbers}</dd>");
+    }
     let mut graphs = String::new();
     for graph in &report.figure3 {
         let frames = match graph.step {
@@ -126,7 +131,7 @@ pub fn html(report: &Report) -> String {
          <h2>Chip</h2>\n<p>Step two of §4: the hot spots on the whole chip, cycle by cycle, after one frame that \
          warms the caches. PCI is what a frame loads from the host, Mem what moves between the chip and the \
          on-board memory.</p>\n{chip}\
-         <h2>What the paper claims</h2>\n<div class=\"scroll\">{verdicts}</div>\n\
+         <h2>What the paper claims</h2>\n<dl>\n{verdicts}</dl>\n\
          <h2>What differs, and why</h2>\n<dl>\n{differences}</dl>\n</main>\n</body>\n</html>\n"
     )
 }
@@ -146,6 +151,7 @@ mod tests {
     use super::super::figure3::Graph;
     use super::super::table1::SceneRow;
     use super::super::table2::{Stand, hot_spots};
+    use super::super::verdicts::judge;
     use super::*;
     use crate::progress::Progress;
     use crate::walk::{PacketSize, TraceOptions};
@@ -172,7 +178,7 @@ mod tests {
             variations,
             verdicts: Vec::new(),
         };
-        report.verdicts = verdicts::judge(&report);
+        report.verdicts = judge(&report);
         report
     }
 
@@ -212,7 +218,8 @@ mod tests {
         assert_eq!((report.table2.len(), report.variations.len(), report.verdicts.len()), (2, 12, 11));
         let page = html(&report);
         for verdict in &report.verdicts {
-            assert!(page.contains(&escaped(&verdict.claim)) && page.contains(&escaped(&verdict.numbers)));
+            assert!(page.contains(&escaped(&verdict.claim)));
+            assert!(verdict.numbers.iter().all(|number| page.contains(&escaped(number))));
         }
         assert!(page.contains("room 1") && page.contains("room 2"));
     }

@@ -4,7 +4,7 @@ use super::Report;
 use super::figure3::Graph;
 use super::table2::{HotSpot, Shape, Variation};
 use crate::standard;
-use crate::table::{Column, Table, mb};
+use crate::table::mb;
 use saarcor_reference::paper;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -52,8 +52,8 @@ pub struct Verdict {
     pub claim: String,
     /// Whether it holds.
     pub verdict: Holds,
-    /// By which numbers.
-    pub numbers: String,
+    /// By which numbers, place by place.
+    pub numbers: Vec<String>,
 }
 
 /// A range of values.
@@ -94,7 +94,7 @@ fn families(spots: &[HotSpot]) -> BTreeMap<String, Vec<&HotSpot>> {
     let mut families: BTreeMap<String, Vec<&HotSpot>> = BTreeMap::new();
     for spot in spots {
         let family = paper::family(&spot.paper.scene);
-        let name = if spot.real { format!("{family} (real: {})", spot.scene) } else { family.to_owned() };
+        let name = if spot.real { format!("{family} (real scene)") } else { family.to_owned() };
         families.entry(name).or_default().push(spot);
     }
     families
@@ -130,7 +130,7 @@ fn metadata(report: &Report) -> Verdict {
     Verdict {
         claim: "16 MB need 640 KB of metadata in lines of 128 B and 80 KB in lines of 1 KB (§3)".to_owned(),
         verdict: Holds::of(same),
-        numbers: ours.join(", "),
+        numbers: vec![ours.join(", ")],
     }
 }
 
@@ -142,7 +142,7 @@ fn memory(graphs: &[Graph]) -> Verdict {
     Verdict {
         claim: "The memories of Table 2 hold the largest working set (§4)".to_owned(),
         verdict: Holds::of(graphs.iter().map(|graph| peak(graph) <= graph.memory_bytes)),
-        numbers: numbers.collect::<Vec<_>>().join("; "),
+        numbers: numbers.collect(),
     }
 }
 
@@ -155,7 +155,7 @@ fn relation(claim: &str, spots: &[HotSpot], of: impl Fn(&Shape) -> f64) -> Verdi
         places.extend(ours().map(|value| paper.widened().has(value)));
         numbers.push(format!("{family} {} (paper {paper})", Range::of(ours())));
     }
-    Verdict { claim: format!("{claim} (Table 2)"), verdict: Holds::of(places), numbers: numbers.join("; ") }
+    Verdict { claim: format!("{claim} (Table 2)"), verdict: Holds::of(places), numbers }
 }
 
 /// Rows in which less is loaded tell nothing of what is made of it.
@@ -179,7 +179,7 @@ fn filled(spots: &[HotSpot]) -> Verdict {
                 (Table 2)"
                 .to_owned(),
         verdict: Holds::of(places),
-        numbers: numbers.join("; "),
+        numbers,
     }
 }
 
@@ -193,7 +193,7 @@ fn fast_bus(spots: &[HotSpot]) -> Verdict {
     Verdict {
         claim: "A bus four times as fast changes nothing: less than 2 % (§4)".to_owned(),
         verdict: Holds::of(places),
-        numbers: numbers.join("; "),
+        numbers,
     }
 }
 
@@ -231,11 +231,7 @@ fn best_line(variations: &[Variation]) -> Verdict {
             both.line_bytes, fewest.line_bytes, fastest.line_bytes
         ));
     }
-    Verdict {
-        claim: "Lines of 128 B are best (§3)".to_owned(),
-        verdict: Holds::of(places),
-        numbers: numbers.join("; "),
-    }
+    Verdict { claim: "Lines of 128 B are best (§3)".to_owned(), verdict: Holds::of(places), numbers }
 }
 
 fn ways_and_hash(variations: &[Variation]) -> Verdict {
@@ -254,7 +250,7 @@ fn ways_and_hash(variations: &[Variation]) -> Verdict {
         claim: "4 ways with the hash load the least, against 1, 2 and 4 ways with and without (§3)"
             .to_owned(),
         verdict: Holds::of(places),
-        numbers: numbers.join("; "),
+        numbers,
     }
 }
 
@@ -276,7 +272,7 @@ fn linear(spots: &[HotSpot]) -> Verdict {
             "Speed is linear in rays: cycles a ray of Conference with 0, 2 and 8 lights within 15 % (Table 2)"
                 .to_owned(),
         verdict: Holds::of(places),
-        numbers: numbers.join("; "),
+        numbers,
     }
 }
 
@@ -295,18 +291,8 @@ fn local_memory(spots: &[HotSpot]) -> Verdict {
         claim: "The Cruiser is limited by the on-board memory: at least 0.55 of its peak without virtual memory (§4)"
             .to_owned(),
         verdict: Holds::of(places),
-        numbers: numbers.join("; "),
+        numbers,
     }
-}
-
-/// The verdicts as a table.
-#[must_use]
-pub fn table(verdicts: &[Verdict]) -> Table {
-    let mut table = Table::new(["claim", "verdict", "by"].map(Column::text));
-    for Verdict { claim, verdict, numbers } in verdicts {
-        table.row([claim.clone(), verdict.to_string(), numbers.clone()]);
-    }
-    table
 }
 
 #[cfg(test)]
