@@ -91,7 +91,7 @@ impl Graph {
     }
 
     /// The first frame that has the most of something.
-    fn peak(&self, value: fn(&FrameRow) -> u64) -> Option<&FrameRow> {
+    pub(super) fn peak(&self, value: fn(&FrameRow) -> u64) -> Option<&FrameRow> {
         self.frames.iter().rev().max_by_key(|row| value(row))
     }
 }
