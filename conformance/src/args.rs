@@ -179,9 +179,9 @@ pub struct SceneArgs {
     /// Leaves textures and bump maps away
     #[arg(long)]
     no_textures: bool,
-    /// Halves both sides of each texture and bump map N times, as a mip map would
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=16))]
-    halve_textures: u32,
+    /// Reads textures and bump maps at full resolution, however far away
+    #[arg(long)]
+    no_mip_maps: bool,
     /// How the kd-tree is built: surface area heuristic, or spatial median as in 2003
     #[arg(long, value_parser = choice(TREES), default_value = name_of(TREES, &SplitRule::SurfaceArea))]
     tree: SplitRule,
@@ -198,7 +198,7 @@ impl SceneArgs {
             scene: self.scene.clone(),
             lights: self.lights,
             no_textures: self.no_textures,
-            halve_textures: self.halve_textures,
+            no_mip_maps: self.no_mip_maps,
             tree: BuildOptions { rule: self.tree, ..BuildOptions::default() },
             kernel: self.kernel,
             last_frame,

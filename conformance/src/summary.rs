@@ -8,10 +8,11 @@ use serde::Serialize;
 
 /// A name for each feature and whether a scene needs it.
 #[must_use]
-pub fn needs(features: Features) -> [(&'static str, bool); 7] {
+pub fn needs(features: Features) -> [(&'static str, bool); 8] {
     [
         ("textures", features.textures),
         ("bump maps", features.bump_maps),
+        ("mip maps", features.mip_maps),
         ("shadow rays", features.lights > 0),
         ("smooth normals", features.smooth_normals),
         ("highlights", features.highlights),
@@ -57,6 +58,8 @@ pub struct Summary {
     pub needs: Vec<&'static str>,
     /// Bytes of the regions of [`Region::ALL`].
     pub regions: Vec<RegionBytes>,
+    /// Of the textures, bytes of the coarser levels of mip maps.
+    pub mip_map_bytes: u64,
     /// Bytes of the image, with the padding between regions.
     pub image_bytes: u64,
     /// Nodes of the kd-tree.
@@ -100,6 +103,7 @@ impl Summary {
             frames: world.path.len(),
             needs: needed.map(|need| need.0).collect(),
             regions: Region::ALL.into_iter().zip(world.image.region_bytes).map(region).collect(),
+            mip_map_bytes: world.image.mip_map_bytes.0,
             image_bytes: world.image.bytes.len() as u64,
             nodes: world.tree.nodes,
             leaves: world.tree.leaves,
@@ -114,6 +118,13 @@ impl Summary {
     pub fn geometry_bytes(&self) -> u64 {
         let textures = region_name(Region::Textures);
         self.regions.iter().filter(|region| region.region != textures).map(|region| region.bytes).sum()
+    }
+
+    /// Bytes of textures and bump maps at full resolution: what the paper calls textures (Assumed).
+    #[must_use]
+    pub fn texture_bytes(&self) -> u64 {
+        let all: u64 = self.regions.iter().map(|region| region.bytes).sum();
+        all - self.geometry_bytes() - self.mip_map_bytes
     }
 
     /// The facts in a few lines.

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use saarcor_model::image::HostImage;
 use saarcor_model::intersection::Kernel;
 use saarcor_model::kdtree::Node;
-use saarcor_model::scene::{Camera, Features, Image, Scene};
+use saarcor_model::scene::{Camera, Features, Scene};
 use saarcor_scenes::builtin;
 use saarcor_scenes::kdbuild::{self, BuildOptions};
 use std::path::Path;
@@ -22,8 +22,8 @@ pub struct WorldOptions {
     pub lights: Option<usize>,
     /// Leave textures and bump maps away, as the paper does where a scene's name ends in `nt`.
     pub no_textures: bool,
-    /// Halve both sides of each texture and bump map so many times.
-    pub halve_textures: u32,
+    /// Store textures and bump maps at full resolution alone.
+    pub no_mip_maps: bool,
     /// How the kd-tree is built.
     pub tree: BuildOptions,
     /// The triangle test that the image is laid out for.
@@ -42,7 +42,7 @@ impl WorldOptions {
             scene: scene.to_owned(),
             lights: None,
             no_textures: false,
-            halve_textures: 0,
+            no_mip_maps: false,
             tree: BuildOptions::default(),
             kernel: Kernel::default(),
             last_frame: None,
@@ -148,32 +148,8 @@ pub fn open_scene(options: &WorldOptions) -> Result<Scene> {
             (material.texture, material.bump) = (None, None);
         }
     }
-    for _ in 0..options.halve_textures {
-        scene.images.iter_mut().for_each(|image| *image = halved(image));
-        scene.materials.iter_mut().for_each(|material| material.bump_height /= 2.0);
-    }
+    scene.mip_maps = !options.no_mip_maps;
     Ok(scene)
-}
-
-/// The next level of an image's mip map (Williams 1983): means of 2 × 2 texels, at least one.
-fn halved(image: &Image) -> Image {
-    let size = |length: u32| (length / 2).max(1);
-    let (width, height, bytes) = (size(image.width), size(image.height), image.format.texel_bytes());
-    let mean = |x: u32, y: u32, byte: u32| {
-        let texel = |dx: u32, dy: u32| {
-            let (x, y) = ((2 * x + dx).min(image.width - 1), (2 * y + dy).min(image.height - 1));
-            u32::from(image.texels[((y * image.width + x) * bytes + byte) as usize])
-        };
-        ((texel(0, 0) + texel(1, 0) + texel(0, 1) + texel(1, 1) + 2) / 4) as u8
-    };
-    let rows = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    let texels = rows.flat_map(|(x, y)| (0..bytes).map(move |byte| (x, y, byte)));
-    Image {
-        width,
-        height,
-        format: image.format,
-        texels: texels.map(|(x, y, byte)| mean(x, y, byte)).collect(),
-    }
 }
 
 /// Whether a scene's name is meant as a file: it has a folder or an extension, or exists.
@@ -189,20 +165,5 @@ fn suggestion(name: &str) -> String {
             format!("did you mean '{known}'? ('saarcor scenes' lists all; a file is named with its .obj)")
         }
         None => "'saarcor scenes' lists the built-in ones; a file is named with its .obj".to_owned(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use saarcor_model::scene::TexelFormat;
-
-    #[test]
-    fn a_halved_image_has_means_of_its_texels() {
-        let image =
-            Image { width: 3, height: 2, format: TexelFormat::Height8, texels: vec![0, 10, 99, 20, 31, 99] };
-        let half = halved(&image);
-        assert_eq!((half.width, half.height, &half.texels[..]), (1, 1, &[15][..]));
-        assert_eq!(halved(&half), half);
     }
 }

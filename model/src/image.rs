@@ -14,11 +14,12 @@
 //! | textures | texel | 4; 1 in bump maps | Assumed |
 //!
 //! All numbers are little-endian. Nodes lie in the order of [`KdTree::nodes`], triangles in the
-//! order in which the lists first name them, texels in bands of rows ([`ImageRecord::place`]; Assumed).
+//! order in which the lists first name them, texels as [`ImageRecord`] says (Assumed).
 
 use crate::intersection::{Kernel, ProjectedTriangle};
 use crate::kdtree::{Aabb, Axis, KdTree, KdTreeError, Node};
 use crate::scene::{self, Features, Image, Light, Material, Scene};
+use crate::texture::{IMAGE_ALIGNMENT, ImageRecord};
 use crate::units::{Bytes, HostAddr};
 use glam::{Vec2, Vec3};
 use std::fmt;
@@ -80,6 +81,8 @@ pub struct HostImage {
     pub registers: Registers,
     /// Bytes of each region of [`Region::ALL`], without the padding behind it.
     pub region_bytes: [Bytes; 5],
+    /// Of the textures, bytes of the coarser levels of mip maps.
+    pub mip_map_bytes: Bytes,
     /// Which of the scene's triangles each triangle of the image is.
     pub triangle_ids: Vec<u32>,
 }
@@ -135,8 +138,9 @@ impl HostImage {
             triangle_ids.len() as u64 * u64::from(TRIANGLE_BYTES),
             scene.materials.len() as u64 * u64::from(features.material_bytes())
                 + triangle_ids.len() as u64 * u64::from(features.shading_record_bytes()),
-            used_images.iter().map(|&i| scene.images[i].texels.len() as u64).sum(),
+            used_images.iter().map(|&image| stored_bytes(&scene.images[image], features.mip_maps)).sum(),
         ];
+        let finest: u64 = used_images.iter().map(|&image| stored_bytes(&scene.images[image], false)).sum();
         let mut starts = [0_u64; 6];
         for (region, &bytes) in region_bytes.iter().enumerate() {
             starts[region + 1] = (starts[region] + bytes).next_multiple_of(u64::from(REGION_ALIGNMENT));
@@ -170,7 +174,7 @@ impl HostImage {
         let mut next = textures;
         for &image in &used_images {
             image_addr[image] = HostAddr(next);
-            next += scene.images[image].texels.len() as u32;
+            next += stored_bytes(&scene.images[image], features.mip_maps) as u32;
         }
         for material in &scene.materials {
             out.material(material, features, &scene.images, &image_addr);
@@ -181,7 +185,8 @@ impl HostImage {
         }
         out.pad_to(textures);
         for &image in &used_images {
-            out.texels(&scene.images[image]);
+            out.pad_to(image_addr[image].0);
+            out.texels(&scene.images[image], features.mip_maps);
         }
         out.pad_to(end);
 
@@ -194,7 +199,14 @@ impl HostImage {
             features,
             lights: exposed(&scene.lights),
         };
-        Ok(Self { bytes: out.bytes, registers, region_bytes: region_bytes.map(Bytes), triangle_ids })
+        let mip_map_bytes = Bytes(region_bytes[Region::Textures as usize] - finest);
+        Ok(Self {
+            bytes: out.bytes,
+            registers,
+            region_bytes: region_bytes.map(Bytes),
+            mip_map_bytes,
+            triangle_ids,
+        })
     }
 
     /// The scene's index of the triangle at `addr`.
@@ -254,6 +266,13 @@ fn used_images(scene: &Scene, features: Features) -> Result<Vec<usize>, ImageErr
         }
     }
     Ok(used)
+}
+
+/// Bytes of an image with the padding behind it, and with its coarser levels if `mip_maps`.
+fn stored_bytes(image: &Image, mip_maps: bool) -> u64 {
+    let record = ImageRecord { texels: HostAddr(0), width: image.width, height: image.height };
+    let texels = record.texels_of_levels(if mip_maps { record.levels() } else { 1 });
+    (texels * u64::from(image.format.texel_bytes())).next_multiple_of(IMAGE_ALIGNMENT.into())
 }
 
 /// A kd-node as the chip reads it.
@@ -337,31 +356,6 @@ fn words(bytes: [u8; 8]) -> [u32; 2] {
     [u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])]
 }
 
-/// Where an image lies and how large it is, as a material names it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ImageRecord {
-    /// Address of the first texel.
-    pub texels: HostAddr,
-    /// Texels a row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-}
-
-/// Rows of a band of texels.
-const BAND: u32 = 4;
-
-impl ImageRecord {
-    /// Number of the texel in `column` and `row` in the order of their addresses: by bands of four
-    /// rows, in a band by columns. So 4 × 4 texels lie together, and what a filter or the next ray
-    /// needs is likely in the same line (after Hakura and Gupta 1997).
-    #[must_use]
-    pub fn place(&self, column: u32, row: u32) -> u32 {
-        let above = row / BAND * BAND;
-        above * self.width + column * BAND.min(self.height - above) + row - above
-    }
-}
-
 /// A material as the chip reads it. What the scene does not need is not stored, and reads as the
 /// value that has no effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -395,6 +389,9 @@ pub struct ShadingRecord {
     pub normals: [Vec3; 3],
     /// Texture coordinates at the corners.
     pub tex_coords: [Vec2; 3],
+    /// Area of the triangle in texture coordinates for each unit of its area in space; 0 where the
+    /// scene has no mip maps.
+    pub texture_density: f32,
     /// Unit vector in the triangle's plane along which the first texture coordinate grows.
     pub tangent: Vec3,
 }
@@ -421,11 +418,12 @@ impl Features {
     pub fn shading_record_bytes(self) -> u32 {
         16 + 36 * u32::from(self.smooth_normals)
             + 24 * u32::from(self.mapped())
+            + 4 * u32::from(self.mip_maps)
             + 12 * u32::from(self.bump_maps)
     }
 
     /// Most bytes that a material or a shading record has.
-    pub const MAX_RECORD_BYTES: usize = 88;
+    pub const MAX_RECORD_BYTES: usize = 92;
 }
 
 impl MaterialRecord {
@@ -459,8 +457,9 @@ impl ShadingRecord {
         } else {
             [Vec2::ZERO; 3]
         };
+        let texture_density = if features.mip_maps { fields.f32() } else { 0.0 };
         let tangent = if features.bump_maps { fields.vec3() } else { Vec3::ZERO };
-        Self { material, normal, normals, tex_coords, tangent }
+        Self { material, normal, normals, tex_coords, texture_density, tangent }
     }
 }
 
@@ -511,15 +510,12 @@ impl Writer {
         value.to_array().into_iter().for_each(|v| self.f32(v));
     }
 
-    /// The texels of an image, in the order of [`ImageRecord::place`].
-    fn texels(&mut self, image: &Image) {
-        let (texel, row) = (image.format.texel_bytes() as usize, image.width * image.format.texel_bytes());
-        for band in image.texels.chunks((BAND * row) as usize) {
-            for column in (0..row as usize).step_by(texel) {
-                for row in band.chunks(row as usize) {
-                    self.bytes.extend_from_slice(&row[column..column + texel]);
-                }
-            }
+    /// The texels of an image, and of the coarser levels where the scene has mip maps.
+    fn texels(&mut self, image: &Image, mip_maps: bool) {
+        image.in_bands().for_each(|texel| self.bytes.extend_from_slice(texel));
+        let coarser = std::iter::successors(image.halved().filter(|_| mip_maps), Image::halved);
+        for level in coarser {
+            level.in_bands().for_each(|texel| self.bytes.extend_from_slice(texel));
         }
     }
 
@@ -584,6 +580,9 @@ impl Writer {
         if features.mapped() {
             scene.tex_coords[id].into_iter().flat_map(|uv| [uv.x, uv.y]).for_each(|v| self.f32(v));
         }
+        if features.mip_maps {
+            self.f32(texture_density(&corners, &scene.tex_coords[id]));
+        }
         if features.bump_maps {
             self.vec3(tangent(&corners, &scene.tex_coords[id]));
         }
@@ -594,6 +593,13 @@ impl Writer {
 fn plane_normal(corners: &[Vec3; 3]) -> Vec3 {
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     (b - a).cross(c - a).normalize_or_zero().as_vec3()
+}
+
+/// Area of a triangle in texture coordinates for each unit of its area in space.
+fn texture_density(corners: &[Vec3; 3], uv: &[Vec2; 3]) -> f32 {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let [ta, tb, tc] = uv.map(Vec2::as_dvec2);
+    ((tb - ta).perp_dot(tc - ta).abs() / (b - a).cross(c - a).length()) as f32
 }
 
 /// Unit vector in the triangle's plane along which the first texture coordinate grows; zero where
@@ -643,10 +649,11 @@ mod tests {
             images: vec![
                 image(3, 2, TexelFormat::Height8),
                 image(9, 9, TexelFormat::Rgba8),
-                image(2, 5, TexelFormat::Rgba8),
+                image(8, 7, TexelFormat::Rgba8),
             ],
             lights: vec![Light { position: Vec3::Z, intensity: 1.0 }],
             path: Vec::new(),
+            mip_maps: true,
         }
     }
 
@@ -704,28 +711,24 @@ mod tests {
             (0.25, 0.125, 1.5)
         );
         let (texture, (bump, height)) = material.texture.zip(material.bump).expect("both");
-        assert_eq!((texture.width, texture.height, bump.width, bump.height, height), (2, 5, 3, 2, 3.0));
+        assert_eq!((texture.width, texture.height, bump.width, bump.height, height), (8, 7, 3, 2, 3.0));
+        // The triangle's area is 1, and 1/2 in texture coordinates.
+        assert_eq!(record.texture_density, 0.5);
         for (record, source) in [(texture, &scene.images[2]), (bump, &scene.images[0])] {
             let bytes = source.format.texel_bytes();
-            for (number, texel) in (0..).zip(source.texels.chunks(bytes as usize)) {
-                let place = record.place(number % source.width, number / source.width);
-                assert_eq!(bytes_at(&image, record.texels.offset(place * bytes), bytes), texel);
+            let levels: Vec<_> = std::iter::successors(Some(source.clone()), Image::halved).collect();
+            assert_eq!((levels.len() as u32, record.texels.0 % IMAGE_ALIGNMENT), (record.levels(), 0));
+            for (level, source) in (0..).zip(&levels) {
+                let record = record.level(level, source.format);
+                for (number, texel) in (0..).zip(source.texels.chunks(bytes as usize)) {
+                    let place = record.place(number % source.width, number / source.width);
+                    assert_eq!(bytes_at(&image, record.texels.offset(place * bytes), bytes), texel);
+                }
             }
         }
-    }
-
-    #[test]
-    fn neighbouring_texels_lie_together() {
-        let image = ImageRecord { texels: HostAddr(0), width: 8, height: 6 };
-        let places = |columns: std::ops::Range<u32>, rows: std::ops::Range<u32>| -> Vec<u32> {
-            let mut places: Vec<u32> =
-                rows.flat_map(|row| columns.clone().map(move |column| image.place(column, row))).collect();
-            places.sort_unstable();
-            places
-        };
-        assert_eq!(places(0..8, 0..6), (0..48).collect::<Vec<_>>(), "each texel has a place of its own");
-        assert_eq!(places(4..8, 0..4), (16..32).collect::<Vec<_>>());
-        assert_eq!(places(0..4, 4..6), (32..40).collect::<Vec<_>>(), "the last band has two rows");
+        // Heights: 6 bytes, with one coarser level 7. Colours: 224, with levels of 4 x 3, 2 x 1 and 1 x 1
+        // texels 284. All begin at multiples of 64.
+        assert_eq!((image.region_bytes[4], image.mip_map_bytes), (Bytes(64 + 320), Bytes(64)));
     }
 
     #[test]
@@ -733,6 +736,7 @@ mod tests {
         let all = Features {
             textures: true,
             bump_maps: true,
+            mip_maps: true,
             lights: 1,
             smooth_normals: true,
             highlights: true,

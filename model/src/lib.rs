@@ -8,7 +8,7 @@
 //!   [`vm`];
 //! * what lies in host memory: [`scene`], [`kdtree`], [`image`];
 //! * the units of a ray tracing pipeline, §2: [`ray`], [`raygen`], [`traversal`],
-//!   [`intersection`], [`shading`], [`rtp`];
+//!   [`intersection`], [`texture`], [`shading`], [`rtp`];
 //! * the same chip in time: [`program`], what the functional run leaves for the timing run;
 //!   [`sdram`], [`pci`], [`chip_config`], [`tags`], [`chip`].
 //!
@@ -39,6 +39,7 @@ pub mod sdram;
 pub mod set;
 pub mod shading;
 pub mod tags;
+pub mod texture;
 pub mod traversal;
 pub mod units;
 pub mod vm;

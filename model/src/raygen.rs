@@ -50,6 +50,12 @@ impl Frame {
         self.height
     }
 
+    /// Width of a pixel at distance 1, in the picture's middle.
+    #[must_use]
+    pub fn pixel_width(&self) -> f32 {
+        2.0 * self.up.length() / self.height as f32
+    }
+
     /// The ray through the centre of a pixel; rows count from the top (RG-1).
     #[must_use]
     pub fn primary_ray(&self, x: u32, y: u32) -> Ray {

@@ -6,7 +6,7 @@ use crate::memory::{Memory, Port};
 use crate::ray::{Packet, Query, Ray};
 use crate::raygen::{Frame, ray_from_surface};
 use crate::scene::Features;
-use crate::shading::{BACKGROUND, Surface, surfaces};
+use crate::shading::{BACKGROUND, Cones, Surface, surfaces};
 use crate::traversal::Traversal;
 use glam::Vec3;
 
@@ -74,7 +74,8 @@ impl<const N: usize> Pipeline<N> {
         let packet = frame.primary_packet(packet);
         self.rays.primary += u64::from(packet.active());
         memory.issue(Port::Shading, || packet.active());
-        self.shade(memory, registers, &packet, &[1.0; N], 0)
+        let cones = Cones { spread: frame.pixel_width(), begin: [0.0; N] };
+        self.shade(memory, registers, &packet, &cones, &[1.0; N], 0)
     }
 
     /// The colours that the rays of `packet` see, each of which is a `part` of its pixel's light.
@@ -83,11 +84,12 @@ impl<const N: usize> Pipeline<N> {
         memory: &mut impl Memory,
         registers: &Registers,
         packet: &Packet<N>,
+        cones: &Cones<N>,
         part: &[f32; N],
         bounces: u32,
     ) -> [Vec3; N] {
         let hits = self.traversal.run(memory, registers, packet, Query::Closest);
-        let surfaces = surfaces(memory, registers, packet, &hits);
+        let surfaces = surfaces(memory, registers, packet, &hits, cones);
         let own = self.own_colours(memory, registers, &surfaces);
         let mut colours = own;
         if bounces < self.max_bounces {
@@ -105,7 +107,9 @@ impl<const N: usize> Pipeline<N> {
                 }
                 self.rays.secondary += u64::from(rays);
                 memory.issue(Port::Shading, || rays);
-                let seen = self.shade(memory, registers, &next, &next_part, bounces + 1);
+                let begin = surfaces.map(|surface| surface.map_or(0.0, |surface| surface.distance));
+                let cones = Cones { begin, ..*cones };
+                let seen = self.shade(memory, registers, &next, &cones, &next_part, bounces + 1);
                 for (lane, surface) in surfaces.iter().enumerate() {
                     if let Some(surface) = surface.filter(|_| next.is_active(lane)) {
                         // The surface's own colour gives way to what the new ray sees.

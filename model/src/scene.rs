@@ -140,6 +140,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// The camera path, a camera a frame.
     pub path: Vec<Camera>,
+    /// Whether textures and bump maps are stored with the coarser levels of their mip maps.
+    pub mip_maps: bool,
 }
 
 /// What of the chip a scene needs. What it does not need is neither in the host image, nor read,
@@ -150,6 +152,8 @@ pub struct Features {
     pub textures: bool,
     /// Some triangle's material has a bump map.
     pub bump_maps: bool,
+    /// Textures and bump maps have coarser levels.
+    pub mip_maps: bool,
     /// The number of lights: shadow rays a hit.
     pub lights: u32,
     /// Some triangle has normals of its own at its corners, so that shading interpolates them.
@@ -173,9 +177,12 @@ pub fn features(scene: &Scene) -> Features {
         scene.materials.iter().zip(&used).any(|(material, used)| *used && wants(material))
     };
     let mapped = !scene.tex_coords.is_empty();
+    let textures = mapped && any(|m| m.texture.is_some());
+    let bump_maps = mapped && any(|m| m.bump.is_some() && m.bump_height != 0.0);
     Features {
-        textures: mapped && any(|m| m.texture.is_some()),
-        bump_maps: mapped && any(|m| m.bump.is_some() && m.bump_height != 0.0),
+        textures,
+        bump_maps,
+        mip_maps: scene.mip_maps && (textures || bump_maps),
         lights: scene.lights.len() as u32,
         smooth_normals: !scene.normals.is_empty(),
         highlights: !scene.lights.is_empty() && any(|m| m.specular != Vec3::ZERO),

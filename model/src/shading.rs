@@ -4,10 +4,11 @@
 //! Colours are display values, as in graphics chips of the time: no conversion to or from a
 //! linear space takes place.
 
-use crate::image::{ImageRecord, MaterialRecord, Registers, ShadingRecord};
+use crate::image::{MaterialRecord, Registers, ShadingRecord};
 use crate::memory::{Memory, Port};
 use crate::ray::{Hits, Packet};
-use crate::scene::{Features, Light, TexelFormat};
+use crate::scene::{Features, Light};
+use crate::texture::{sample_colour, sample_slope};
 use crate::units::HostAddr;
 use glam::{Vec2, Vec3};
 
@@ -24,6 +25,8 @@ pub struct Surface {
     pub point: Vec3,
     /// The largest coordinate that `point` was computed from.
     pub scale: f32,
+    /// Distance from the eye, along the rays that led here.
+    pub distance: f32,
     /// Unit direction of the ray.
     pub direction: Vec3,
     /// Unit normal of the triangle's plane, on the side of the ray's origin.
@@ -38,6 +41,16 @@ pub struct Surface {
     pub material: MaterialRecord,
 }
 
+/// The cones around a packet's rays: what a pixel sees (Amanatides 1984). Mirrors and glass are taken
+/// for flat, so that a cone stays as wide as its pixel (SH-6, Assumed).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cones<const N: usize> {
+    /// Width at distance 1.
+    pub spread: f32,
+    /// Distance from the eye at which each ray begins, along the rays that led there.
+    pub begin: [f32; N],
+}
+
 /// The surfaces that the rays of a packet hit; none where a ray hit nothing (SH-1).
 ///
 /// The material and the shading record of a triangle are read once for all rays of the packet
@@ -47,6 +60,7 @@ pub fn surfaces<const N: usize>(
     registers: &Registers,
     packet: &Packet<N>,
     hits: &Hits<N>,
+    cones: &Cones<N>,
 ) -> [Option<Surface>; N] {
     let mut surfaces = [None; N];
     let mut pending: [bool; N] = std::array::from_fn(|lane| hits.is_hit(lane));
@@ -60,9 +74,16 @@ pub fn surfaces<const N: usize>(
         for lane in first..N {
             if pending[lane] && hits.triangle[lane] == triangle {
                 pending[lane] = false;
-                let (weights, t) = ([hits.u[lane], hits.v[lane]], hits.t[lane]);
                 let (origin, direction) = (packet.origin(lane), packet.direction(lane));
-                surfaces[lane] = Some(surface(memory, &record, &material, origin, direction, t, weights));
+                let seen = Seen {
+                    point: origin + direction * hits.t[lane],
+                    origin,
+                    direction,
+                    weights: [hits.u[lane], hits.v[lane]],
+                    distance: cones.begin[lane] + hits.t[lane],
+                    spread: cones.spread,
+                };
+                surfaces[lane] = Some(surface(memory, &record, &material, &seen));
             }
         }
     }
@@ -86,31 +107,43 @@ fn read_records(
     (record, MaterialRecord::decode(material, features))
 }
 
-/// The surface at distance `t` and barycentric `weights` of the second and third corner.
+/// Where a ray meets a surface.
+struct Seen {
+    point: Vec3,
+    origin: Vec3,
+    direction: Vec3,
+    /// Barycentric weights of the second and the third corner.
+    weights: [f32; 2],
+    /// Distance from the eye, and the width of the ray's cone at distance 1.
+    distance: f32,
+    spread: f32,
+}
+
+/// The surface that a ray meets.
 fn surface(
     memory: &mut impl Memory,
     record: &ShadingRecord,
     material: &MaterialRecord,
-    origin: Vec3,
-    direction: Vec3,
-    t: f32,
-    [u, v]: [f32; 2],
+    seen: &Seen,
 ) -> Surface {
+    let &Seen { point, origin, direction, weights: [u, v], distance, spread } = seen;
     let uv = interpolate(record.tex_coords, u, v);
+    // The cone's width at the surface, along the way in which it is seen from the side.
+    let width = spread * distance / record.normal.dot(direction);
+    let area = width * width * record.texture_density;
     let mut normal = interpolate(record.normals, u, v).normalize_or(record.normal);
     if let Some((map, height)) = material.bump {
-        normal = bumped(memory, record, normal, map, height, uv);
+        normal = bumped(record, normal, sample_slope(memory, map, height, uv, area));
     }
     let diffuse = match material.texture {
-        Some(image) => material.diffuse * sample_colour(memory, image, uv),
+        Some(image) => material.diffuse * sample_colour(memory, image, uv, area),
         None => material.diffuse,
     };
     let front = record.normal.dot(direction) < 0.0;
     let plane_normal = if front { record.normal } else { -record.normal };
     let normal = if normal.dot(direction) < 0.0 { normal } else { -normal };
-    let point = origin + direction * t;
     let scale = origin.abs().max(point.abs()).max_element();
-    Surface { point, scale, direction, plane_normal, normal, front, diffuse, material: *material }
+    Surface { point, scale, distance, direction, plane_normal, normal, front, diffuse, material: *material }
 }
 
 /// The value at barycentric weights `u` and `v` of the second and the third corner.
@@ -121,77 +154,12 @@ where
     a * (1.0 - u - v) + b * u + c * v
 }
 
-/// Where a texture coordinate lies among the texels of an image (SH-2).
-///
-/// The image tiles; v runs upwards, rows downwards; texels have their values at their centres.
-struct Footprint {
-    /// Columns and rows of the four texels around the point.
-    columns: [u32; 2],
-    rows: [u32; 2],
-    /// How far the point is from the first of them, to the right and downwards: 0 to 1.
-    fraction: Vec2,
-}
-
-impl Footprint {
-    fn new(image: ImageRecord, uv: Vec2) -> Self {
-        let tile = |place: f32, size: u32| {
-            // Rounding can give 1.0 itself, which is the first texel of the next tile.
-            let texel = (place - place.floor()) * size as f32 - 0.5;
-            let below = texel.floor();
-            let first = (below as i64).rem_euclid(i64::from(size)) as u32;
-            ([first, (first + 1) % size], texel - below)
-        };
-        let (columns, right) = tile(uv.x, image.width);
-        let (rows, down) = tile(1.0 - uv.y, image.height);
-        Self { columns, rows, fraction: Vec2::new(right, down) }
-    }
-}
-
-/// Reads the texel in `column` and `row`.
-fn texel<const BYTES: usize>(
-    memory: &mut impl Memory,
-    image: ImageRecord,
-    column: u32,
-    row: u32,
-) -> [u8; BYTES] {
-    memory.fetch(Port::Shading, image.texels.offset(image.place(column, row) * BYTES as u32))
-}
-
-/// The colour of an image at `uv`, by bilinear interpolation (SH-2).
-fn sample_colour(memory: &mut impl Memory, image: ImageRecord, uv: Vec2) -> Vec3 {
-    const BYTES: usize = TexelFormat::Rgba8.texel_bytes() as usize;
-    let Footprint { columns, rows, fraction } = Footprint::new(image, uv);
-    let [top, bottom] = rows.map(|row| {
-        let [left, right] = columns.map(|column| {
-            let [red, green, blue, _alpha] = texel::<BYTES>(memory, image, column, row);
-            Vec3::new(f32::from(red), f32::from(green), f32::from(blue)) / 255.0
-        });
-        left.lerp(right, fraction.x)
-    });
-    top.lerp(bottom, fraction.y)
-}
-
-/// The normal that a bump map gives the surface (SH-2): tilted by the slope of the height field
-/// between the four texels around the point (after Blinn 1978), texels being square.
-fn bumped(
-    memory: &mut impl Memory,
-    record: &ShadingRecord,
-    normal: Vec3,
-    map: ImageRecord,
-    height: f32,
-    uv: Vec2,
-) -> Vec3 {
-    const BYTES: usize = TexelFormat::Height8.texel_bytes() as usize;
-    let Footprint { columns, rows, .. } = Footprint::new(map, uv);
-    let [[top_left, top_right], [bottom_left, bottom_right]] = rows.map(|row| {
-        columns.map(|column| height * f32::from(texel::<BYTES>(memory, map, column, row)[0]) / 255.0)
-    });
-    let slope_right = (top_right - top_left + bottom_right - bottom_left) / 2.0;
-    let slope_up = (top_left - bottom_left + top_right - bottom_right) / 2.0;
+/// The normal that a bump map's `slope` gives the surface: tilted by it (SH-2, after Blinn 1978).
+fn bumped(record: &ShadingRecord, normal: Vec3, slope: Vec2) -> Vec3 {
     // The direction of growing v, which may be mirrored against that of growing u.
     let [a, b, c] = record.tex_coords;
     let upwards = normal.cross(record.tangent) * (b - a).perp_dot(c - a).signum();
-    (normal - record.tangent * slope_right - upwards * slope_up).normalize_or(normal)
+    (normal - record.tangent * slope.x - upwards * slope.y).normalize_or(normal)
 }
 
 impl Surface {
@@ -256,40 +224,6 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// An image of 2 × 2 texels, black, red; green, blue, in a memory of its own: column by column.
-    struct Texels;
-
-    const IMAGE: ImageRecord = ImageRecord { texels: HostAddr(0), width: 2, height: 2 };
-
-    impl Memory for Texels {
-        fn read(&mut self, port: Port, addr: HostAddr, bytes: &mut [u8]) {
-            assert_eq!(port, Port::Shading);
-            let texels = [0, 0, 0, 255, 0, 255, 0, 255, 255, 0, 0, 255, 0, 0, 255, 255];
-            bytes.copy_from_slice(&texels[addr.0 as usize..][..bytes.len()]);
-        }
-    }
-
-    #[test]
-    fn texels_are_met_at_their_centres_with_v_upwards() {
-        let at = |u, v| sample_colour(&mut Texels, IMAGE, Vec2::new(u, v));
-        assert_eq!(at(0.25, 0.75), Vec3::ZERO);
-        assert_eq!(at(0.75, 0.75), Vec3::X);
-        assert_eq!(at(0.25, 0.25), Vec3::Y);
-        assert_eq!(at(0.75, 0.25), Vec3::Z);
-        assert_eq!(at(0.5, 0.75), Vec3::X / 2.0);
-    }
-
-    #[test]
-    fn images_tile() {
-        let at = |u, v| sample_colour(&mut Texels, IMAGE, Vec2::new(u, v));
-        assert_eq!(at(-3.75, 5.75), at(0.25, 0.75));
-        // Half way between the last column and the first of the next tile.
-        assert_eq!(at(1.0, 0.75), Vec3::X / 2.0);
-        // Far off, or nowhere: some texel, no panic.
-        at(1e30, -1e30);
-        at(f32::NAN, f32::INFINITY);
-    }
-
     /// A surface in the plane z = 0, seen from above at 45 degrees.
     fn surface(index_of_refraction: f32, front: bool) -> Surface {
         let material = MaterialRecord {
@@ -305,6 +239,7 @@ mod tests {
         Surface {
             point: Vec3::ZERO,
             scale: 1.0,
+            distance: 1.0,
             direction: Vec3::new(1.0, 0.0, -1.0).normalize(),
             plane_normal: Vec3::Z,
             normal: Vec3::Z,

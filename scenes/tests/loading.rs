@@ -489,6 +489,7 @@ fn full_scene() -> Scene {
         images: vec![heights, colours(1, 1), colours(4, 3)],
         lights: vec![Light { position: vec3(0.1, 0.2, 0.3), intensity: 0.7 }],
         path: vec![Camera { eye: vec3(1.0, 2.0, 3.0), dir, up, fov_y_deg: 59.9 }; 3],
+        ..Scene::default()
     }
 }
 

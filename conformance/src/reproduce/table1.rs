@@ -23,7 +23,7 @@ pub struct SceneRow {
     pub geometry_bytes: u64,
     /// The paper's geometry on disk, in MB.
     pub paper_geometry_mb: u64,
-    /// Bytes of our textures and bump maps.
+    /// Bytes of our textures and bump maps, without the coarser levels of mip maps.
     pub texture_bytes: u64,
     /// The paper's textures on disk, in MB.
     pub paper_textures_mb: Option<u64>,
@@ -45,7 +45,7 @@ impl SceneRow {
             paper_lights: paper.lights,
             geometry_bytes,
             paper_geometry_mb: paper.geometry_mb,
-            texture_bytes: summary.regions.iter().map(|region| region.bytes).sum::<u64>() - geometry_bytes,
+            texture_bytes: summary.texture_bytes(),
             paper_textures_mb: paper.textures_mb,
             regions: summary.regions,
         }

@@ -338,6 +338,15 @@ fn chapel(mesh: &mut Mesh, s: &Surfaces) {
     .build(mesh);
     for x in windows {
         props::arch(mesh, s.trim, vec3(x, 8.5, 34.0), Vec3::X, 1.6, 0.5);
+        props::grate(mesh, s.trim, vec3(x - 0.8, 5.5, 34.1), Vec3::X * 1.6, Vec3::Y * 3.0, 5);
+    }
+    // Pews on both sides of the way to the altar, but for the doorway.
+    for row in 0..9 {
+        let x = 15.0 + 1.9 * row as f32;
+        props::pew(mesh, s, vec3(x, 4.0, 29.4), Vec3::Z * 3.2);
+        if x < 26.0 {
+            props::pew(mesh, s, vec3(x, 4.0, 21.2), Vec3::Z * 3.2);
+        }
     }
     props::arch(mesh, s.trim, vec3(32.0, 8.0, 20.0), Vec3::X, 4.0, 0.6);
     props::arch(mesh, s.trim, vec3(6.0, 8.0, 27.0), Vec3::Z, 4.0, 0.6);

@@ -124,6 +124,20 @@ pub fn grate(mesh: &mut Mesh, surface: Surface, origin: Vec3, right: Vec3, front
     }
 }
 
+/// A pew that runs `along` a horizontal line from `foot`, its back towards less x.
+pub fn pew(mesh: &mut Mesh, s: &Surfaces, foot: Vec3, along: Vec3) {
+    let board = |mesh: &mut Mesh, from: Vec3, to: Vec3, along: Vec3| {
+        mesh.cuboid(s.crate_wood, foot + from, foot + to + along, COARSE);
+    };
+    board(mesh, vec3(0.0, 0.42, 0.0), vec3(0.45, 0.47, 0.0), along);
+    for height in [0.55, 0.75, 0.95] {
+        board(mesh, vec3(-0.05, height, 0.0), vec3(0.0, height + 0.12, 0.0), along);
+    }
+    for end in [Vec3::ZERO, along] {
+        board(mesh, end + vec3(-0.1, 0.0, -0.05), end + vec3(0.45, 1.1, 0.05), Vec3::ZERO);
+    }
+}
+
 /// A flight of `steps` steps that rises `rise` along the horizontal `run`, `across` wide.
 pub fn stairs(mesh: &mut Mesh, s: &Surfaces, foot: Vec3, run: Vec3, across: Vec3, rise: f32, steps: u32) {
     let (tread, riser) = (run / steps as f32, Vec3::Y * rise / steps as f32);
