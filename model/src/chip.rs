@@ -187,6 +187,16 @@ fn round_robin(mask: u64, last: u32) -> u32 {
     if above != 0 { above.trailing_zeros() } else { mask.trailing_zeros() }
 }
 
+/// The members of `mask`, from the lowest to the highest.
+#[inline]
+fn members(mut mask: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lowest = mask.trailing_zeros();
+        mask &= mask.wrapping_sub(1);
+        (lowest < 64).then_some(lowest as usize)
+    })
+}
+
 /// In place of the member served last, where none was: the next is the lowest.
 const NOBODY: u32 = 63;
 
@@ -205,10 +215,14 @@ struct Chip<'a, O> {
     /// Thread `t` of pipeline `p` is at `p · threads + t`, unit `u` at `4 p + u`.
     threads: Vec<Thread<'a>>,
     units: Vec<Unit>,
-    /// Pipelines whose unit may take rays in this cycle, by unit.
+    /// Pipelines whose unit may take rays in this cycle, by unit, and the units that have any.
     attend: [u64; 4],
+    attended: u64,
     wheel: Wheel,
     l1: [L1; 4],
+    /// The first-level caches that threads ask, and those with parts of missed lines.
+    asked: u64,
+    missed: u64,
     /// First-level lines that have left the on-board memory: when they are there, and whose.
     returning: VecDeque<(u64, u8, u8)>,
     /// The first-level cache from which the bus manager took a part last.
@@ -268,8 +282,11 @@ impl<'a, O: Observer> Chip<'a, O> {
             threads: std::iter::repeat_with(thread).take(pipelines * threads).collect(),
             units: std::iter::repeat_with(unit).take(4 * pipelines).collect(),
             attend: [0; 4],
+            attended: 0,
             wheel: Wheel::new(pipelines * (threads + 4)),
             l1,
+            asked: 0,
+            missed: 0,
             returning: VecDeque::new(),
             last_cache: NOBODY,
             tags: tags(config),
@@ -366,8 +383,7 @@ impl<'a, O: Observer> Chip<'a, O> {
     #[inline]
     fn upcoming(&self) -> u64 {
         let next = self.now + 1;
-        let asked = self.l1.iter().any(|l1| l1.asking != 0 || !l1.parts.is_empty());
-        if asked || (self.with_free != 0 && self.packets.len() != 0) {
+        if (self.asked | self.missed) != 0 || (self.with_free != 0 && self.packets.len() != 0) {
             return next;
         }
         let tagged = self.tagged.front().map_or(u64::MAX, |tagged| tagged.ready.max(next));
@@ -383,7 +399,7 @@ impl<'a, O: Observer> Chip<'a, O> {
         while number != NONE {
             let next = self.wheel.next[number as usize];
             match (number as usize).checked_sub(self.threads.len()) {
-                Some(unit) => self.attend[unit % 4] |= 1 << (unit / 4),
+                Some(unit) => self.attend(unit % 4, (unit / 4) as u32),
                 None if self.threads[number as usize].stage == Stage::Working => self.end(number),
                 None => self.answer(number),
             }
@@ -483,12 +499,9 @@ impl<'a, O: Observer> Chip<'a, O> {
 
     /// Phase 6: units that are free take the next packet that is ready (CH-6).
     fn start_units(&mut self) {
-        for port in 0..4 {
-            let mut attend = std::mem::take(&mut self.attend[port]);
-            while attend != 0 {
-                let pipeline = attend.trailing_zeros();
-                attend &= attend - 1;
-                let place = 4 * pipeline as usize + port;
+        for port in members(std::mem::take(&mut self.attended)) {
+            for pipeline in members(std::mem::take(&mut self.attend[port])) {
+                let place = 4 * pipeline + port;
                 let unit = &mut self.units[place];
                 if unit.ready == 0 || unit.free > self.now {
                     continue;
@@ -496,7 +509,7 @@ impl<'a, O: Observer> Chip<'a, O> {
                 unit.settle(self.now);
                 unit.last = round_robin(unit.ready, unit.last);
                 unit.ready &= !(1 << unit.last);
-                let number = pipeline * self.config.threads + unit.last;
+                let number = pipeline as u32 * self.config.threads + unit.last;
                 let thread = &mut self.threads[number as usize];
                 let rays = u32::from(thread.program[0].rays);
                 let config = self.config.units[port];
@@ -512,7 +525,7 @@ impl<'a, O: Observer> Chip<'a, O> {
 
     /// Phase 7: the ports of the first-level caches (CH-8).
     fn look_up_lines(&mut self) {
-        for cache in 0..4 {
+        for cache in members(self.asked) {
             for _ in 0..self.config.l1[cache].ports {
                 let l1 = &mut self.l1[cache];
                 if l1.asking == 0 {
@@ -526,6 +539,9 @@ impl<'a, O: Observer> Chip<'a, O> {
                 *asking &= !(1 << thread);
                 if *asking == 0 {
                     l1.asking &= !(1 << pipeline);
+                    if l1.asking == 0 {
+                        self.asked &= !(1 << cache);
+                    }
                 }
                 self.look_up(cache, pipeline * self.config.threads + thread);
             }
@@ -568,6 +584,7 @@ impl<'a, O: Observer> Chip<'a, O> {
                     self.l1[cache].parts.push_back(Part { addr, bytes, cache: cache_number, register });
                     way.parts += 1;
                 }
+                self.missed |= 1 << cache;
                 self.l1[cache].on_the_way[free as usize] = way;
                 free as usize
             }
@@ -580,13 +597,15 @@ impl<'a, O: Observer> Chip<'a, O> {
 
     /// Phase 8: the bus manager takes one part and looks up its tag (CH-12, CH-13).
     fn look_up_tag(&mut self) {
-        let asking =
-            (0..4).fold(0, |mask, cache| mask | u64::from(!self.l1[cache].parts.is_empty()) << cache);
-        if asking == 0 {
+        if self.missed == 0 {
             return;
         }
-        self.last_cache = round_robin(asking, self.last_cache);
-        let Some(part) = self.l1[self.last_cache as usize].parts.pop_front() else { return };
+        self.last_cache = round_robin(self.missed, self.last_cache);
+        let parts = &mut self.l1[self.last_cache as usize].parts;
+        let Some(part) = parts.pop_front() else { return };
+        if parts.is_empty() {
+            self.missed &= !(1 << self.last_cache);
+        }
         let mut moves = std::mem::take(&mut self.moves);
         let Place { card, missed } = self.tags.locate(HostAddr(part.addr), &mut moves);
         let mut ready = self.now;
@@ -686,9 +705,11 @@ impl<'a, O: Observer> Chip<'a, O> {
 
     fn enter_queue(&mut self, number: u32) {
         let (pipeline, thread) = (number / self.config.threads, number % self.config.threads);
-        let l1 = &mut self.l1[self.threads[number as usize].program[0].port as usize];
+        let cache = self.threads[number as usize].program[0].port as usize;
+        let l1 = &mut self.l1[cache];
         l1.threads[pipeline as usize] |= 1 << thread;
         l1.asking |= 1 << pipeline;
+        self.asked |= 1 << cache;
     }
 
     /// The line that a thread waits for is there (CH-7).
@@ -719,7 +740,14 @@ impl<'a, O: Observer> Chip<'a, O> {
         let port = self.threads[number as usize].program[0].port as usize;
         let pipeline = number / self.config.threads;
         self.units[4 * pipeline as usize + port].ready |= 1 << (number % self.config.threads);
+        self.attend(port, pipeline);
+    }
+
+    /// A unit may take rays in this cycle.
+    #[inline]
+    fn attend(&mut self, port: usize, pipeline: u32) {
         self.attend[port] |= 1 << pipeline;
+        self.attended |= 1 << port;
     }
 
     fn unit(&mut self, number: u32) -> &mut Unit {
