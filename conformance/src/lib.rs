@@ -15,17 +15,21 @@
 //! | [`walk`] | step one of §4: the traffic of a walk through a scene |
 //! | [`simulate`] | step two of §4: a frame on the chip, cycle by cycle |
 //! | [`sweep`] | one frame on many chips |
+//! | [`curve`] | the costs of a sweep as curves |
 //! | [`metadata`] | the metadata law beside the paper's examples |
 //! | [`summary`] | what a scene needs, and the bytes of its image |
 //! | [`reproduce`] | the paper's figures, ours beside theirs |
+//! | [`plot`] | how graphs look |
 //! | [`table`] | tables as text and as HTML |
 
 pub mod args;
 pub mod cli;
+pub mod curve;
 pub mod limits;
 pub mod metadata;
 mod names;
 pub mod output;
+pub mod plot;
 pub mod progress;
 pub mod prove;
 pub mod render;

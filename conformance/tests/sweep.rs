@@ -66,6 +66,26 @@ fn best_points_are_named() {
 
 /// Stopped anywhere, also within a line, a sweep ends with the bytes of one that was not.
 #[test]
+fn sizes_are_drawn_as_curves() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| folder.path().join(name);
+    let (svg, again, results) = (file("line.svg"), file("again.svg"), file("line.jsonl"));
+    output(&["--over", "line=64,256,128", "--svg", text(&svg), "-o", text(&results)]);
+    let drawing = fs::read_to_string(&svg).expect("text");
+    assert!(drawing.starts_with("<svg ") && drawing.contains("Their product is least at "));
+    ["64", "128", "256", "metadata"]
+        .iter()
+        .for_each(|label| assert!(drawing.contains(&format!(">{label}<"))));
+    stdout_of(&["merge", text(&results), "--svg", text(&again)]);
+    assert_eq!(fs::read_to_string(again).expect("text"), drawing);
+
+    let none = file("none.svg");
+    refused(&["--over", "hash", "--svg", text(&none)], &["--svg", "hash low is no size"]);
+    refused(&[&GRID[..], &["--svg", text(&none)]].concat(), &["--svg", "2 axes"]);
+    assert!(!none.exists());
+}
+
+#[test]
 fn stopped_sweeps_go_on() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("whole.jsonl");

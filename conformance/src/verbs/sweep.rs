@@ -2,17 +2,32 @@
 
 use super::simulate::FrameArgs;
 use crate::args::vary;
+use crate::curve;
 use crate::limits::check_together;
 use crate::output::{OutFile, Stdout};
 use crate::progress::Progress;
 use crate::summary::Summary;
 use crate::sweep::{Axis, Point, Position, Results, Shard, grid, identity, merged, result};
 use crate::table::{Column, Table, mb};
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use saarcor_model::chip_config::ChipConfig;
 use saarcor_model::units::Bytes;
 use serde_json::Value;
 use std::path::PathBuf;
+
+/// How results are shown.
+#[derive(Debug, clap::Args)]
+struct Shown {
+    /// Results as a table of comma-separated values
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+    /// Bytes loaded and metadata as curves over the sizes of one axis
+    #[arg(long, value_name = "FILE.svg")]
+    svg: Option<PathBuf>,
+    /// Prints the results as lines of JSON
+    #[arg(long)]
+    json: bool,
+}
 
 /// A frame on many chips: one for each point of a grid
 #[derive(Debug, clap::Args)]
@@ -29,12 +44,8 @@ pub struct Args {
     /// Results as lines of JSON; a sweep that was stopped goes on where this file ends
     #[arg(short, long, value_name = "FILE.jsonl")]
     out: Option<PathBuf>,
-    /// Results as a table of comma-separated values
-    #[arg(long, value_name = "FILE.csv")]
-    csv: Option<PathBuf>,
-    /// Prints the results as lines of JSON
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    shown: Shown,
 }
 
 impl Args {
@@ -43,7 +54,12 @@ impl Args {
         let frame = &self.frame;
         let all = grid(&self.over);
         let configs = all.iter().map(|point| self.config(point)).collect::<Result<Vec<_>>>()?;
-        let csv = self.csv.as_deref().map(OutFile::check).transpose()?;
+        let shown = Files::check(&self.shown)?;
+        if let (true, [axis]) = (shown.svg.is_some(), &self.over[..]) {
+            curve::sizes(axis.values.iter().map(String::as_str), &axis.name)?;
+        } else if shown.svg.is_some() {
+            bail!("--svg: {} axes; curves are drawn over one", self.over.len());
+        }
         let sweep =
             identity(&(&frame.scene, frame.frame, &frame.trace, frame.chip.order, frame.warm_up, &configs));
         let position = |point| Position { sweep: sweep.clone(), point, points: all.len() };
@@ -67,7 +83,7 @@ impl Args {
                 })
             })?;
         }
-        print(&results.lines, csv, self.json)
+        print(&results.lines, shown)
     }
 
     /// The chip of a point.
@@ -93,12 +109,8 @@ pub struct MergeArgs {
     /// All results as lines of JSON
     #[arg(short, long, value_name = "FILE.jsonl")]
     out: Option<PathBuf>,
-    /// Results as a table of comma-separated values
-    #[arg(long, value_name = "FILE.csv")]
-    csv: Option<PathBuf>,
-    /// Prints the results as lines of JSON
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    shown: Shown,
 }
 
 impl MergeArgs {
@@ -111,11 +123,25 @@ impl MergeArgs {
         };
         let parts = self.parts.iter().map(read).collect::<Result<Vec<_>>>()?;
         let lines = merged(&parts)?;
-        let csv = self.csv.as_deref().map(OutFile::check).transpose()?;
+        let shown = Files::check(&self.shown)?;
         if let Some(out) = self.out.as_deref().map(OutFile::check).transpose()? {
             out.write(|file| Ok(lines.iter().try_for_each(|line| writeln!(file, "{line}"))?))?;
         }
-        print(&lines, csv, self.json)
+        print(&lines, shown)
+    }
+}
+
+/// Where results go that can be written there.
+struct Files {
+    csv: Option<OutFile>,
+    svg: Option<OutFile>,
+    json: bool,
+}
+
+impl Files {
+    fn check(shown: &Shown) -> Result<Self> {
+        let file = |path: &Option<PathBuf>| path.as_deref().map(OutFile::check).transpose();
+        Ok(Self { csv: file(&shown.csv)?, svg: file(&shown.svg)?, json: shown.json })
     }
 }
 
@@ -134,7 +160,7 @@ const NUMBERS: [&str; 8] = [
 /// What a result costs.
 type Cost<'a> = &'a dyn Fn(&Value) -> u128;
 
-fn print(lines: &[String], csv: Option<OutFile>, json: bool) -> Result<()> {
+fn print(lines: &[String], Files { csv, svg, json }: Files) -> Result<()> {
     let rows = lines.iter().map(|line| serde_json::from_str(line).context("result"));
     let rows = rows.collect::<Result<Vec<Value>>>()?;
     let axes: Vec<&String> = rows
@@ -157,12 +183,27 @@ fn print(lines: &[String], csv: Option<OutFile>, json: bool) -> Result<()> {
             Ok(())
         })?;
     }
+    let number = |row: &Value, name: &str| row[name].as_u64().unwrap_or(0);
+    let one = |field: &'static str| move |row: &Value| u128::from(number(row, field));
+    let both = |row: &Value| one("pci_bytes")(row) * one("metadata_bytes")(row);
+    if let Some(svg) = svg {
+        let [axis] = axes[..] else { bail!("--svg: {} axes; curves are drawn over one", axes.len()) };
+        let sizes = curve::sizes(rows.iter().filter_map(|row| row["at"][axis.as_str()].as_str()), axis)?;
+        let at = |(size, row)| curve::Costs {
+            size,
+            loaded: number(row, "pci_bytes"),
+            metadata: number(row, "metadata_bytes"),
+        };
+        let costs: Vec<_> = sizes.into_iter().zip(&rows).map(at).collect();
+        let frame = rows.first().map(|row| format!("{}, frame {}", text(&row["scene"]), row["frame"]));
+        let drawing = curve::svg(axis, &frame.unwrap_or_default(), &costs)?;
+        svg.write(|file| Ok(file.write_all(drawing.as_bytes())?))?;
+    }
     let mut out = Stdout::new();
     if json {
         lines.iter().try_for_each(|line| out.line(line))?;
         return out.finish();
     }
-    let number = |row: &Value, name: &str| row[name].as_u64().unwrap_or(0);
     let numbers = ["fps", "loaded MB", "Mem MB", "metadata KiB", "misses %"].map(Column::number);
     let mut table = Table::new(axes.iter().map(|axis| Column::text(axis.as_str())).chain(numbers));
     for row in &rows {
@@ -178,8 +219,6 @@ fn print(lines: &[String], csv: Option<OutFile>, json: bool) -> Result<()> {
         table.row(at.chain(cells));
     }
     out.line(table.to_string().trim_end())?;
-    let one = |field: &'static str| move |row: &Value| u128::from(number(row, field));
-    let both = |row: &Value| one("pci_bytes")(row) * one("metadata_bytes")(row);
     let costs: [(&str, Cost<'_>); 4] = [
         ("most frames a second", &one("cycles")),
         ("fewest bytes loaded", &one("pci_bytes")),
