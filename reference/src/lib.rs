@@ -11,10 +11,12 @@
 //! | [`cache::NaiveVirtualMemory`] | which bytes a unit receives, and as of when |
 //! | [`chip::naive_simulate`] | the chip in time |
 //! | [`search::closest_hit`] | kd-tree traversal |
+//! | [`exact::judge`], [`exact::closest`] | triangle tests, and what a ray hits first |
 //! | [`paper`] | figures, against the published ones |
 
 pub mod cache;
 pub mod chip;
+pub mod exact;
 pub mod flat;
 pub mod paper;
 pub mod search;
