@@ -28,7 +28,13 @@ type Choices<T> = &'static [(&'static str, T)];
 const HASHES: Choices<Hash> =
     &[("low", Hash::Low), ("add-upper", Hash::AddUpper), ("add-upper-all", Hash::AddUpperAll)];
 const POLICIES: Choices<Policy> = &[("lru", Policy::Lru), ("fifo", Policy::Fifo), ("plru", Policy::Plru)];
-const KERNELS: Choices<Kernel> = &[("moller-trumbore", Kernel::MollerTrumbore), ("wald", Kernel::Wald)];
+const KERNELS: Choices<Kernel> = &[
+    ("moller-trumbore", Kernel::MollerTrumbore),
+    ("wald", Kernel::Wald),
+    ("plucker", Kernel::Plucker),
+    ("watertight", Kernel::Watertight),
+    ("adaptive", Kernel::Adaptive),
+];
 const TREES: Choices<SplitRule> = &[("sah", SplitRule::SurfaceArea), ("median", SplitRule::SpatialMedian)];
 const PACKETS: Choices<PacketSize> = &[
     ("1", PacketSize::Rays1),

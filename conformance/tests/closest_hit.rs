@@ -4,13 +4,16 @@
 use glam::Vec3;
 use rayon::prelude::*;
 use saarcor_model::image::HostImage;
-use saarcor_model::intersection::{Candidate, EdgeTriangle, Kernel, ProjectedTriangle};
+use saarcor_model::intersection::{
+    EdgeTriangle, Kernel, PluckerTriangle, ProjectedTriangle, TriangleTest, WatertightTriangle,
+};
 use saarcor_model::kdtree::Aabb;
 use saarcor_model::ray::{Hits, Packet, Query, Ray};
 use saarcor_model::raygen::Frame;
 use saarcor_model::scene::Scene;
 use saarcor_model::traversal::Traversal;
 use saarcor_model::units::HostAddr;
+use saarcor_reference::exact::{self, rational::nearest_f32};
 use saarcor_reference::flat::FlatMemory;
 use saarcor_reference::search::{ClosestHit, closest_hit};
 use saarcor_scenes::builtin::builtin;
@@ -79,20 +82,30 @@ fn traverse<const N: usize>(image: &HostImage, rays: &[Ray]) -> Vec<Option<(f32,
     found
 }
 
-/// What is hit where, by trying every one of `triangles`, each `prepare`d for the triangle `test`.
-fn search<T: Sync>(
+/// What is hit where, by trying every one of `triangles` with the test `T`.
+fn search<T: TriangleTest<f32> + Sync>(
     triangles: &[[Vec3; 3]],
     rays: &[Ray],
-    prepare: fn(&[Vec3; 3]) -> T,
-    test: impl Fn(&T, [f32; 3], [f32; 3]) -> Candidate + Sync,
 ) -> Vec<Option<ClosestHit<f32>>> {
-    let prepared: Vec<T> = triangles.iter().map(prepare).collect();
+    let prepared: Vec<T> = triangles.iter().map(T::new).collect();
     let closest = |ray: &Ray| {
-        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
+        let from = T::ray(ray.origin.to_array(), ray.direction.to_array());
         closest_hit(&prepared, |triangle| {
-            let hit = test(triangle, origin, direction);
-            (hit.is_inside() & (hit.t >= ray.t_min) & (hit.t < ray.t_max)).then_some(hit.t)
+            let hit = triangle.intersect(&from);
+            (hit.inside & (hit.t >= ray.t_min) & (hit.t < ray.t_max)).then_some(hit.t)
         })
+    };
+    rays.par_iter().map(closest).collect()
+}
+
+/// What is hit where, by trying every one of `triangles` exactly.
+fn search_exactly(corners: &[[Vec3; 3]], rays: &[Ray]) -> Vec<Option<ClosestHit<f32>>> {
+    let closest = |ray: &Ray| {
+        let numbered = (0..).zip(corners.iter().copied());
+        let first = exact::closest(ray, numbered)?;
+        let triangles: Vec<u32> = first.triangles.iter().map(|(number, _)| *number).collect();
+        let point = exact::solve(ray, &corners[first.triangles[0].0 as usize]).expect("hit");
+        Some(ClosestHit { t: nearest_f32(&point.t), triangles })
     };
     rays.par_iter().map(closest).collect()
 }
@@ -111,8 +124,11 @@ fn agrees(name: &str, scene: &Scene, kernel: Kernel, rule: SplitRule) {
         let in_packets = traverse::<64>(&image, &rays);
         assert_eq!(alone, in_packets, "{name}: {kind} rays alone and in packets");
         let searched = match kernel {
-            Kernel::MollerTrumbore => search(&triangles, &rays, EdgeTriangle::new, EdgeTriangle::intersect),
-            Kernel::Wald => search(&triangles, &rays, ProjectedTriangle::new, ProjectedTriangle::intersect),
+            Kernel::MollerTrumbore => search::<EdgeTriangle>(&triangles, &rays),
+            Kernel::Wald => search::<ProjectedTriangle>(&triangles, &rays),
+            Kernel::Plucker => search::<PluckerTriangle>(&triangles, &rays),
+            Kernel::Watertight => search::<WatertightTriangle>(&triangles, &rays),
+            Kernel::Adaptive => search_exactly(&triangles, &rays),
         };
         let (mut hits, mut ties, mut faults) = (0, 0, Vec::new());
         for ((ray, traversed), searched) in rays.iter().zip(&alone).zip(&searched) {
@@ -145,6 +161,16 @@ fn pquake3() {
     let scene = builtin("pquake3-nt").expect("built-in");
     agrees("pquake3-nt", &scene, Kernel::MollerTrumbore, SplitRule::SurfaceArea);
     agrees("pquake3-nt", &scene, Kernel::Wald, SplitRule::SpatialMedian);
+}
+
+/// Every test in traversal as in the search. The adaptive one is searched for exactly, and its
+/// distance is the true one, rounded.
+#[test]
+fn every_kernel() {
+    let scene = builtin("pquake3-nt").expect("built-in");
+    for kernel in [Kernel::Plucker, Kernel::Watertight, Kernel::Adaptive] {
+        agrees("pquake3-nt", &scene, kernel, SplitRule::SurfaceArea);
+    }
 }
 
 #[test]

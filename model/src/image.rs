@@ -16,7 +16,7 @@
 //! All numbers are little-endian. Nodes lie in the order of [`KdTree::nodes`], triangles in the
 //! order in which the lists first name them, texels as [`ImageRecord`] says (Assumed).
 
-use crate::intersection::{Kernel, ProjectedTriangle};
+use crate::intersection::Kernel;
 use crate::kdtree::{Aabb, Axis, KdTree, KdTreeError, Node};
 use crate::scene::{self, Features, Image, Light, Material, Scene};
 use crate::texture::{IMAGE_ALIGNMENT, ImageRecord};
@@ -164,10 +164,7 @@ impl HostImage {
         out.pad_to(triangles);
         for &id in &triangle_ids {
             let corners = &scene.triangles[id as usize].corners;
-            match kernel {
-                Kernel::MollerTrumbore => corners.iter().for_each(|&corner| out.vec3(corner)),
-                Kernel::Wald => ProjectedTriangle::new(corners).words.iter().for_each(|&w| out.f32(w)),
-            }
+            kernel.record(corners).iter().for_each(|&word| out.f32(word));
         }
         out.pad_to(materials);
         let mut image_addr = vec![HostAddr(0); scene.images.len()];

@@ -1,152 +1,117 @@
 //! The intersection unit: rays against one triangle (§2).
+//!
+//! One test a file, each with its rules for contact, triangles without area, rays in the plane, NaN
+//! and infinity, and the bound of its error: γ(n) = n·u / (1 - n·u) for n roundings, u the
+//! roundoff of the format (Higham 2002, §3.1). Each has one body for all number formats; the chip
+//! computes in f32.
+
+mod adaptive;
+mod expansion;
+mod moller_trumbore;
+mod narrow;
+mod number;
+mod plucker;
+mod wald;
+mod watertight;
+
+pub use adaptive::{AdaptiveHit, AdaptiveRay, AdaptiveTriangle};
+pub use moller_trumbore::EdgeTriangle;
+pub use narrow::{Bf16, F16, F24, Narrow};
+pub use number::{Number, Triple};
+pub use plucker::PluckerTriangle;
+pub use wald::ProjectedTriangle;
+pub use watertight::{ShearedRay, WatertightTriangle};
 
 use crate::image::TRIANGLE_BYTES;
-use crate::ray::{Hits, Packet, Query};
+use crate::ray::{Hits, KeptTriangle, Packet, Query, Ray};
 use glam::Vec3;
+use std::cmp::Ordering;
 
 /// The triangle test of the chip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Kernel {
-    /// Möller and Trumbore 1997, on the three corners.
+    /// Möller and Trumbore 1997, on the three corners: [`EdgeTriangle`].
     #[default]
     MollerTrumbore,
-    /// Wald's projection test (Wald 2004, §7.1), on a precomputed triangle.
+    /// Wald's projection test (Wald 2004, §7.1), on a precomputed triangle: [`ProjectedTriangle`].
     Wald,
+    /// By Plücker coordinates, on the three corners: [`PluckerTriangle`].
+    Plucker,
+    /// Woop, Benthin and Wald 2013, on the three corners: [`WatertightTriangle`].
+    Watertight,
+    /// Exact where a fast test leaves a doubt, on the three corners: [`AdaptiveTriangle`].
+    Adaptive,
 }
 
 impl Kernel {
+    /// All of them.
+    pub const ALL: [Self; 5] =
+        [Self::MollerTrumbore, Self::Wald, Self::Plucker, Self::Watertight, Self::Adaptive];
+
     /// The two bits that a list entry carries below the triangle's address: the projection axis
     /// of [`Kernel::Wald`], which has no room in the 36 bytes.
     #[must_use]
     pub fn list_tag(self, corners: &[Vec3; 3]) -> u32 {
         match self {
-            Self::MollerTrumbore => 0,
-            Self::Wald => ProjectedTriangle::new(corners).axis as u32,
+            Self::Wald => ProjectedTriangle::<f32>::new(corners).axis as u32,
+            _ => 0,
+        }
+    }
+
+    /// The nine numbers of a triangle in memory (HI-3): its corners, or its words for
+    /// [`Kernel::Wald`].
+    #[must_use]
+    pub fn record(self, corners: &[Vec3; 3]) -> [f32; 9] {
+        match self {
+            Self::Wald => ProjectedTriangle::new(corners).words,
+            _ => std::array::from_fn(|word| corners[word / 3][word % 3]),
         }
     }
 }
 
 /// Where a ray meets a triangle's plane, and whether that is within the triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Candidate {
+pub struct Candidate<R = f32> {
     /// Distance along the ray.
-    pub t: f32,
+    pub t: R,
     /// Barycentric weight of the second corner.
-    pub u: f32,
+    pub u: R,
     /// Barycentric weight of the third corner.
-    pub v: f32,
+    pub v: R,
+    /// Whether the point belongs to the triangle, by the rule of the test (IS-1).
+    pub inside: bool,
 }
 
-impl Candidate {
-    /// Edges and vertices belong to the triangle (IS-1). False where a number is NaN or infinite,
-    /// as with a ray in the triangle's plane.
-    #[inline]
-    #[must_use]
-    pub fn is_inside(self) -> bool {
-        (self.u >= 0.0) & (self.v >= 0.0) & (self.u + self.v <= 1.0)
-    }
-}
-
-/// Three coordinates or components.
-type Triple = [f32; 3];
-
-#[inline(always)]
-fn sub(a: Triple, b: Triple) -> Triple {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-#[inline(always)]
-fn cross(a: Triple, b: Triple) -> Triple {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-#[inline(always)]
-fn dot(a: Triple, b: Triple) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// A triangle prepared for the test of Möller and Trumbore.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EdgeTriangle {
-    corner: Triple,
-    edges: [Triple; 2],
-}
-
-impl EdgeTriangle {
-    /// From the three corners.
-    #[inline]
-    #[must_use]
-    pub fn new(corners: &[Vec3; 3]) -> Self {
-        let [a, b, c] = corners.map(|corner| corner.to_array());
-        Self { corner: a, edges: [sub(b, a), sub(c, a)] }
-    }
-
-    /// Solves `origin + t · direction = a + u · (b - a) + v · (c - a)` by Cramer's rule.
+impl<R: Number> Candidate<R> {
+    /// Inside by the weights. NaN and infinity, as with a ray in the triangle's plane, are not.
     #[inline(always)]
-    #[must_use]
-    pub fn intersect(&self, origin: Triple, direction: Triple) -> Candidate {
-        let [to_b, to_c] = self.edges;
-        let p = cross(direction, to_c);
-        let reciprocal = 1.0 / dot(to_b, p);
-        let from_a = sub(origin, self.corner);
-        let q = cross(from_a, to_b);
-        Candidate {
-            t: dot(to_c, q) * reciprocal,
-            u: dot(from_a, p) * reciprocal,
-            v: dot(direction, q) * reciprocal,
-        }
+    fn within(t: R, u: R, v: R) -> Self {
+        Self { t, u, v, inside: (u >= R::ZERO) & (v >= R::ZERO) & (u + v <= R::ONE) }
     }
 }
 
-/// A triangle prepared for Wald's projection test: its plane, scaled so that the normal's
-/// largest component is 1 and need not be stored, and two lines in the plane of projection.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ProjectedTriangle {
-    /// The axis `k` along which the triangle is projected: 0, 1 or 2.
-    pub axis: usize,
-    /// With `p`, `q` the axes after `k`: the plane is `x_k + w0 x_p + w1 x_q = w2`; the barycentric
-    /// weights of the second and the third corner are `w3 x_p + w4 x_q + w5` and
-    /// `w6 x_p + w7 x_q + w8`.
-    pub words: [f32; 9],
+/// Whether a point belongs to the triangle by the signs of the weights of its corners, and their
+/// sum: no two signs are opposite, and there is a sum to divide by.
+#[inline(always)]
+fn same_sign<R: Number>(signs: [i8; 3], sum: R) -> bool {
+    let [a, b, c] = signs;
+    let opposite = (a * b < 0) | (b * c < 0) | (c * a < 0);
+    !opposite & sum.is_finite() & (sum != R::ZERO)
 }
 
-impl ProjectedTriangle {
-    /// From the three corners, in f64: the driver computes it once, the chip never.
-    #[must_use]
-    pub fn new(corners: &[Vec3; 3]) -> Self {
-        let [a, b, c] = corners.map(Vec3::as_dvec3);
-        let (to_b, to_c) = (b - a, c - a);
-        let normal = to_b.cross(to_c);
-        let axis = normal.abs().max_position();
-        let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
-        let plane = normal / normal[axis];
-        // The area in projection is the normal's component along the axis.
-        let area = normal[axis];
-        let words = [
-            plane[p],
-            plane[q],
-            a.dot(plane),
-            to_c[q] / area,
-            -to_c[p] / area,
-            (a[q] * to_c[p] - a[p] * to_c[q]) / area,
-            -to_b[q] / area,
-            to_b[p] / area,
-            (a[p] * to_b[q] - a[q] * to_b[p]) / area,
-        ];
-        Self { axis, words: words.map(|word| word as f32) }
-    }
+/// A triangle test in numbers of the format `R`.
+pub trait TriangleTest<R: Number>: Copy {
+    /// What is computed once a ray.
+    type Ray: Copy;
 
-    /// Where the ray meets the plane, then the weights of that point in projection.
-    #[inline(always)]
-    #[must_use]
-    pub fn intersect(&self, origin: Triple, direction: Triple) -> Candidate {
-        let (k, p, q) = (self.axis, (self.axis + 1) % 3, (self.axis + 2) % 3);
-        let w = &self.words;
-        let across = direction[k] + w[0] * direction[p] + w[1] * direction[q];
-        let t = (w[2] - origin[k] - w[0] * origin[p] - w[1] * origin[q]) / across;
-        let (x, y) = (origin[p] + t * direction[p], origin[q] + t * direction[q]);
-        Candidate { t, u: w[3] * x + w[4] * y + w[5], v: w[6] * x + w[7] * y + w[8] }
-    }
+    /// From the corners.
+    fn new(corners: &[Vec3; 3]) -> Self;
+
+    /// From origin and direction.
+    fn ray(origin: Triple<f32>, direction: Triple<f32>) -> Self::Ray;
+
+    /// Where the ray meets the triangle's plane.
+    fn intersect(&self, ray: &Self::Ray) -> Candidate<R>;
 }
 
 /// A triangle as it comes from memory, prepared for the chip's test.
@@ -156,6 +121,42 @@ pub enum Prepared {
     Edges(EdgeTriangle),
     /// For [`Kernel::Wald`].
     Projected(ProjectedTriangle),
+    /// For the other tests.
+    Other(Robust),
+}
+
+/// A triangle prepared for one of the tests that cost more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Robust {
+    /// For [`Kernel::Plucker`].
+    Plucker(PluckerTriangle),
+    /// For [`Kernel::Watertight`].
+    Watertight(WatertightTriangle),
+    /// For [`Kernel::Adaptive`]: the corners, from which an [`AdaptiveTriangle`] is made once a
+    /// packet.
+    Adaptive([Vec3; 3]),
+}
+
+impl Robust {
+    /// [`Prepared::intersect_packet`], in a function of its own: with it, that of the chip's usual
+    /// tests would be too large to be inlined into the traversal.
+    #[inline(never)]
+    fn intersect_packet<const N: usize>(
+        &self,
+        addr: u32,
+        packet: &Packet<N>,
+        cell: (&[f32; N], &[f32; N]),
+        query: Query,
+        hits: &mut Hits<N>,
+    ) {
+        match self {
+            Self::Plucker(triangle) => lanes(addr, packet, cell, query, hits, triangle),
+            Self::Watertight(triangle) => lanes(addr, packet, cell, query, hits, triangle),
+            Self::Adaptive(corners) => {
+                adaptive_lanes(addr, packet, cell, query, hits, &AdaptiveTriangle::new(corners));
+            }
+        }
+    }
 }
 
 impl Prepared {
@@ -167,93 +168,130 @@ impl Prepared {
         for (word, bytes) in words.iter_mut().zip(bytes.as_chunks().0) {
             *word = f32::from_le_bytes(*bytes);
         }
-        match kernel {
-            Kernel::MollerTrumbore => {
-                let [a, b, c] = std::array::from_fn(|corner| Vec3::from_slice(&words[3 * corner..]));
-                Self::Edges(EdgeTriangle::new(&[a, b, c]))
-            }
+        if kernel == Kernel::Wald {
             // Three is no axis: a list of the driver's never has it.
-            Kernel::Wald => Self::Projected(ProjectedTriangle { axis: (list_tag % 3) as usize, words }),
+            return Self::Projected(ProjectedTriangle { axis: (list_tag % 3) as usize, words });
         }
+        Self::new(kernel, &std::array::from_fn(|corner| Vec3::from_slice(&words[3 * corner..])))
     }
 
     /// From the three corners.
+    #[inline]
     #[must_use]
     pub fn new(kernel: Kernel, corners: &[Vec3; 3]) -> Self {
         match kernel {
             Kernel::MollerTrumbore => Self::Edges(EdgeTriangle::new(corners)),
             Kernel::Wald => Self::Projected(ProjectedTriangle::new(corners)),
+            Kernel::Plucker => Self::Other(Robust::Plucker(PluckerTriangle::new(corners))),
+            Kernel::Watertight => Self::Other(Robust::Watertight(WatertightTriangle::new(corners))),
+            Kernel::Adaptive => Self::Other(Robust::Adaptive(*corners)),
         }
     }
 
-    /// Where one ray meets the triangle's plane.
+    /// Where one ray meets the triangle, if it does within its range.
     #[must_use]
-    pub fn intersect(&self, origin: Vec3, direction: Vec3) -> Candidate {
-        let (origin, direction) = (origin.to_array(), direction.to_array());
-        match self {
-            Self::Edges(triangle) => triangle.intersect(origin, direction),
-            Self::Projected(triangle) => triangle.intersect(origin, direction),
-        }
+    pub fn intersect(&self, ray: &Ray) -> Option<Candidate> {
+        let mut hits = Hits::none(&Packet::new([Some(*ray)]));
+        let everywhere = (&[f32::NEG_INFINITY], &[f32::INFINITY]);
+        self.intersect_packet(0, &Packet::new([Some(*ray)]), everywhere, Query::Closest, &mut hits);
+        hits.is_hit(0).then(|| Candidate { t: hits.t[0], u: hits.u[0], v: hits.v[0], inside: true })
     }
 
-    /// One operation of the intersection unit: the rays of `packet` whose cell interval
-    /// `enter ≤ leave` is not empty against this triangle, which lies at `addr`.
+    /// One operation of the intersection unit: the rays of `packet` whose interval `enter ≤ leave`
+    /// in the cell is not empty against this triangle, which lies at `addr`.
     #[inline]
     pub fn intersect_packet<const N: usize>(
         &self,
         addr: u32,
         packet: &Packet<N>,
-        (enter, leave): (&[f32; N], &[f32; N]),
+        cell: (&[f32; N], &[f32; N]),
         query: Query,
         hits: &mut Hits<N>,
     ) {
         // The match stands outside of the loop, so that each loop is one stream of arithmetic.
         match *self {
-            Self::Edges(t) => lanes(addr, packet, enter, leave, query, hits, |o, d| t.intersect(o, d)),
+            Self::Edges(t) => lanes(addr, packet, cell, query, hits, &t),
+            // A constant axis in each arm: the loop then reads whole rows of the packet.
             Self::Projected(t) => match t.axis {
-                // A constant axis in each arm: the loop then reads whole rows of the packet.
-                0 => lanes(addr, packet, enter, leave, query, hits, |o, d| {
-                    ProjectedTriangle { axis: 0, ..t }.intersect(o, d)
-                }),
-                1 => lanes(addr, packet, enter, leave, query, hits, |o, d| {
-                    ProjectedTriangle { axis: 1, ..t }.intersect(o, d)
-                }),
-                _ => lanes(addr, packet, enter, leave, query, hits, |o, d| {
-                    ProjectedTriangle { axis: 2, ..t }.intersect(o, d)
-                }),
+                0 => lanes(addr, packet, cell, query, hits, &ProjectedTriangle { axis: 0, ..t }),
+                1 => lanes(addr, packet, cell, query, hits, &ProjectedTriangle { axis: 1, ..t }),
+                _ => lanes(addr, packet, cell, query, hits, &ProjectedTriangle { axis: 2, ..t }),
             },
+            Self::Other(triangle) => triangle.intersect_packet(addr, packet, cell, query, hits),
         }
     }
 }
 
-/// Applies `test` to each active ray and keeps the nearer hit (IS-2): of two hits at the same
+/// Applies the test to each active ray and keeps the nearer hit (IS-2): of two hits at the same
 /// distance, the triangle at the lower address, so that the order of the tests does not matter.
 #[inline(always)]
 fn lanes<const N: usize>(
     addr: u32,
     packet: &Packet<N>,
-    enter: &[f32; N],
-    leave: &[f32; N],
+    (enter, leave): (&[f32; N], &[f32; N]),
     query: Query,
     hits: &mut Hits<N>,
-    test: impl Fn(Triple, Triple) -> Candidate,
+    triangle: &impl TriangleTest<f32>,
 ) {
     for lane in 0..N {
         let origin = [packet.origin[0][lane], packet.origin[1][lane], packet.origin[2][lane]];
         let direction = [packet.direction[0][lane], packet.direction[1][lane], packet.direction[2][lane]];
-        let found = test(origin, direction);
+        let found = intersect(triangle, origin, direction);
         let nearer = (found.t < hits.t[lane]) | ((found.t == hits.t[lane]) & (addr < hits.triangle[lane]));
         let accepted = (enter[lane] <= leave[lane])
             & (found.t >= packet.t_min[lane])
             & (found.t < packet.t_max[lane])
             & nearer
-            & found.is_inside();
+            & found.inside;
         // A shadow ray needs no more than one hit: nothing is nearer than minus infinity.
         let t = if matches!(query, Query::Any) { f32::NEG_INFINITY } else { found.t };
         hits.t[lane] = if accepted { t } else { hits.t[lane] };
         hits.u[lane] = if accepted { found.u } else { hits.u[lane] };
         hits.v[lane] = if accepted { found.v } else { hits.v[lane] };
         hits.triangle[lane] = if accepted { addr } else { hits.triangle[lane] };
+    }
+}
+
+#[inline(always)]
+fn intersect<T: TriangleTest<f32>>(triangle: &T, origin: Triple<f32>, direction: Triple<f32>) -> Candidate {
+    triangle.intersect(&T::ray(origin, direction))
+}
+
+/// [`lanes`] for the adaptive test, which decides the order of hits exactly: first whom the fast
+/// test lets pass, in one stream of arithmetic, then the other rays one by one.
+fn adaptive_lanes<const N: usize>(
+    addr: u32,
+    packet: &Packet<N>,
+    (enter, leave): (&[f32; N], &[f32; N]),
+    query: Query,
+    hits: &mut Hits<N>,
+    triangle: &AdaptiveTriangle,
+) {
+    let mut passes = [false; N];
+    for (lane, passes) in passes.iter_mut().enumerate() {
+        let ray = AdaptiveRay::new(&packet.ray(lane));
+        *passes = triangle.estimate(&ray).is_outside();
+    }
+    for lane in 0..N {
+        let done = matches!(query, Query::Any) & hits.is_hit(lane);
+        let active = enter[lane] <= leave[lane];
+        if passes[lane] | done | !active {
+            continue;
+        }
+        let ray = packet.ray(lane);
+        let Some(found) = triangle.intersect(&AdaptiveRay::new(&ray)) else { continue };
+        let nearer = !hits.is_hit(lane)
+            || match found.order(&hits.kept[lane].hit(hits.t[lane]), &ray) {
+                Ordering::Less => true,
+                Ordering::Equal => addr < hits.triangle[lane],
+                Ordering::Greater => false,
+            };
+        if nearer {
+            let Candidate { t, u, v, .. } = found.rounded();
+            hits.t[lane] = if matches!(query, Query::Any) { f32::NEG_INFINITY } else { t };
+            (hits.u[lane], hits.v[lane], hits.triangle[lane]) = (u, v, addr);
+            hits.kept[lane] = KeptTriangle::new(&found);
+        }
     }
 }
 
@@ -264,65 +302,73 @@ mod tests {
 
     const CORNERS: [Vec3; 3] = [Vec3::new(1.0, 2.0, 5.0), Vec3::new(4.0, 2.5, 6.0), Vec3::new(2.0, 5.0, 4.0)];
 
+    fn along_z(origin: Vec3) -> Ray {
+        Ray { origin, direction: Vec3::Z, t_min: 0.0, t_max: f32::INFINITY }
+    }
+
     fn towards(u: f32, v: f32) -> Vec3 {
         CORNERS[0] * (1.0 - u - v) + CORNERS[1] * u + CORNERS[2] * v
     }
 
     #[test]
     fn kernels_find_the_point_aimed_at() {
-        for kernel in [Kernel::MollerTrumbore, Kernel::Wald] {
+        for kernel in Kernel::ALL {
             for (u, v) in [(0.25, 0.25), (0.1, 0.7), (0.7, 0.1), (-0.2, 0.5), (0.8, 0.9)] {
                 let origin = Vec3::new(0.5, -1.0, 0.25);
-                let found = Prepared::new(kernel, &CORNERS).intersect(origin, (towards(u, v) - origin) / 2.0);
-                assert_relative_eq!(found.t, 2.0, max_relative = 1e-5);
-                assert_relative_eq!(found.u, u, epsilon = 1e-5);
-                assert_relative_eq!(found.v, v, epsilon = 1e-5);
-                assert_eq!(found.is_inside(), u >= 0.0 && v >= 0.0 && u + v <= 1.0);
+                let ray = Ray { direction: (towards(u, v) - origin) / 2.0, ..along_z(origin) };
+                let found = Prepared::new(kernel, &CORNERS).intersect(&ray);
+                assert_eq!(found.is_some(), u >= 0.0 && v >= 0.0 && u + v <= 1.0);
+                if let Some(found) = found {
+                    assert_relative_eq!(found.t, 2.0, max_relative = 1e-5);
+                    assert_relative_eq!(found.u, u, epsilon = 1e-5);
+                    assert_relative_eq!(found.v, v, epsilon = 1e-5);
+                }
             }
         }
     }
 
     #[test]
     fn rays_in_the_plane_and_nan_are_no_hits() {
-        for kernel in [Kernel::MollerTrumbore, Kernel::Wald] {
+        let in_plane = Ray { direction: Vec3::X, ..along_z(Vec3::new(-1.0, 0.25, 0.0)) };
+        let still = Ray { direction: Vec3::ZERO, ..along_z(Vec3::NEG_Z) };
+        for kernel in Kernel::ALL {
             let triangle = Prepared::new(kernel, &[Vec3::ZERO, Vec3::X, Vec3::Y]);
-            assert!(!triangle.intersect(Vec3::new(-1.0, 0.25, 0.0), Vec3::X).is_inside());
-            assert!(!triangle.intersect(Vec3::NAN, Vec3::Z).is_inside());
-            assert!(!triangle.intersect(Vec3::NEG_Z, Vec3::ZERO).is_inside());
+            for ray in [in_plane, along_z(Vec3::NAN), still] {
+                assert_eq!(triangle.intersect(&ray), None, "{kernel:?}");
+            }
         }
     }
 
     /// A packet of two rays along z towards the point (0.25, 0.25, 0), of which the second ends
     /// before it.
     fn packet() -> Packet<2> {
-        let ray = crate::ray::Ray {
-            origin: Vec3::new(0.25, 0.25, -2.0),
-            direction: Vec3::Z,
-            t_min: 0.0,
-            t_max: f32::INFINITY,
-        };
-        Packet::new([Some(ray), Some(crate::ray::Ray { t_max: 2.0, ..ray })])
+        let ray = along_z(Vec3::new(0.25, 0.25, -2.0));
+        Packet::new([Some(ray), Some(Ray { t_max: 2.0, ..ray })])
     }
 
     #[test]
     fn range_is_half_open_and_ties_go_to_the_lower_address() {
         let packet = packet();
         let all = (&packet.t_min, &packet.t_max);
-        let triangle = Prepared::new(Kernel::MollerTrumbore, &[Vec3::ZERO, Vec3::X, Vec3::Y]);
-        let mut hits = Hits::none(&packet);
-        for addr in [72, 36, 108] {
-            triangle.intersect_packet(addr, &packet, all, Query::Closest, &mut hits);
+        for kernel in Kernel::ALL {
+            let triangle = Prepared::new(kernel, &[Vec3::ZERO, Vec3::X, Vec3::Y]);
+            let mut hits = Hits::none(&packet);
+            for addr in [72, 36, 108] {
+                triangle.intersect_packet(addr, &packet, all, Query::Closest, &mut hits);
+            }
+            assert_eq!((hits.t[0], hits.triangle[0]), (2.0, 36), "{kernel:?}");
+            assert!(!hits.is_hit(1));
         }
-        assert_eq!((hits.t[0], hits.triangle[0]), (2.0, 36));
-        assert!(!hits.is_hit(1));
     }
 
     #[test]
     fn rays_outside_of_the_cell_are_masked() {
         let packet = packet();
-        let mut hits = Hits::none(&packet);
-        let triangle = Prepared::new(Kernel::MollerTrumbore, &[Vec3::ZERO, Vec3::X, Vec3::Y]);
-        triangle.intersect_packet(36, &packet, (&[1.0; 2], &[0.5; 2]), Query::Closest, &mut hits);
-        assert_eq!(hits, Hits::none(&packet));
+        for kernel in Kernel::ALL {
+            let mut hits = Hits::none(&packet);
+            let triangle = Prepared::new(kernel, &[Vec3::ZERO, Vec3::X, Vec3::Y]);
+            triangle.intersect_packet(36, &packet, (&[1.0; 2], &[0.5; 2]), Query::Closest, &mut hits);
+            assert_eq!(hits, Hits::none(&packet));
+        }
     }
 }

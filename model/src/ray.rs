@@ -1,5 +1,6 @@
 //! Rays, and packets of them (§2: rays are worked on in packets, by all units).
 
+use crate::intersection::AdaptiveHit;
 use glam::Vec3;
 
 /// A ray: the points `origin + t · direction` with `t_min ≤ t < t_max`.
@@ -69,6 +70,18 @@ impl<const N: usize> Packet<N> {
         (0..N).filter(|&lane| self.is_active(lane)).count() as u32
     }
 
+    /// The ray in `lane`.
+    #[inline(always)]
+    #[must_use]
+    pub fn ray(&self, lane: usize) -> Ray {
+        Ray {
+            origin: self.origin(lane),
+            direction: self.direction(lane),
+            t_min: self.t_min[lane],
+            t_max: self.t_max[lane],
+        }
+    }
+
     /// The origin of the ray in `lane`.
     #[inline]
     #[must_use]
@@ -95,6 +108,36 @@ pub struct Hits<const N: usize> {
     pub v: [f32; N],
     /// Host address of the triangle; [`Hits::NOTHING`] where nothing was hit.
     pub triangle: [u32; N],
+    /// What the adaptive test keeps of that triangle; of no meaning with other tests.
+    pub kept: [KeptTriangle; N],
+}
+
+/// What decides exactly which of two hits is nearer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KeptTriangle {
+    corners: [Vec3; 3],
+    /// By how much the distance, as rounded to f32, may be off.
+    t_error: f32,
+}
+
+impl KeptTriangle {
+    /// Of no triangle.
+    const NONE: Self = Self { corners: [Vec3::ZERO; 3], t_error: 0.0 };
+
+    /// Of the triangle of a hit.
+    #[must_use]
+    pub fn new(hit: &AdaptiveHit) -> Self {
+        let error = hit.t_error + (hit.t - f64::from(hit.t as f32)).abs();
+        // Two roundings: of the sum, and to f32.
+        Self { corners: hit.corners, t_error: (error as f32).next_up().next_up() }
+    }
+
+    /// The hit again, at the distance that it was rounded to.
+    #[must_use]
+    pub fn hit(&self, t: f32) -> AdaptiveHit {
+        let t_error = f64::from(self.t_error);
+        AdaptiveHit { t: f64::from(t), u: 0.0, v: 0.0, t_error, corners: self.corners }
+    }
 }
 
 impl<const N: usize> Hits<N> {
@@ -104,7 +147,13 @@ impl<const N: usize> Hits<N> {
     /// No hits yet for the rays of `packet`.
     #[must_use]
     pub fn none(packet: &Packet<N>) -> Self {
-        Self { t: packet.t_max, u: [0.0; N], v: [0.0; N], triangle: [Self::NOTHING; N] }
+        Self {
+            t: packet.t_max,
+            u: [0.0; N],
+            v: [0.0; N],
+            triangle: [Self::NOTHING; N],
+            kept: [KeptTriangle::NONE; N],
+        }
     }
 
     /// Whether the ray in `lane` hit something.

@@ -13,7 +13,7 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{TestCaseError, TestRunner};
 use saarcor_model::image::{HostImage, NODE_BYTES, TRIANGLE_BYTES};
-use saarcor_model::intersection::{EdgeTriangle, Kernel};
+use saarcor_model::intersection::{EdgeTriangle, Kernel, TriangleTest};
 use saarcor_model::kdtree::{Aabb, Axis, KdTree, MAX_DEPTH, Node};
 use saarcor_model::memory::{Memory, Port};
 use saarcor_model::ray::{Hits, Packet, Query, Ray};
@@ -180,9 +180,9 @@ fn search(triangles: &[Triangle], image: &HostImage, ray: &Ray) -> Option<(f32, 
 }
 
 fn distance(triangle: &Triangle, ray: &Ray) -> Option<f32> {
-    let found =
-        EdgeTriangle::new(&triangle.corners).intersect(ray.origin.to_array(), ray.direction.to_array());
-    (found.is_inside() && found.t >= ray.t_min && found.t < ray.t_max).then_some(found.t)
+    let from = EdgeTriangle::<f32>::ray(ray.origin.to_array(), ray.direction.to_array());
+    let found = EdgeTriangle::new(&triangle.corners).intersect(&from);
+    (found.inside && found.t >= ray.t_min && found.t < ray.t_max).then_some(found.t)
 }
 
 /// Both queries of one packet against the search; returns the number of hits.

@@ -1,0 +1,63 @@
+//! The test by Plücker coordinates.
+
+use super::number::{Number, Triple, add, cross, dot, sub};
+use super::{Candidate, TriangleTest};
+use glam::Vec3;
+
+/// A triangle's corners, for the test by Plücker coordinates: on which side of each edge's line the
+/// ray's line passes (Shevtsov et al. 2007). The corners are counted from the ray's origin, through
+/// which the ray's line then passes, so that its moment vanishes and the test of an edge is the
+/// moment of the edge times the direction.
+///
+/// * Contact: where none of the three sides has another sign than their sum, so that an edge or a
+///   vertex belongs to the triangle. Two triangles that share an edge compute the same side for it
+///   but for the sign, since `(b - a) × (a + b)` only changes sign if a and b change places: no
+///   ray slips between them there. At a vertex the sides of its edges are rounded apart.
+/// * Without area or with the ray in the plane: the sum is 0, a miss, or rounding noise, which may
+///   be a false hit.
+/// * NaN, or an infinite sum, as by overflow: a miss.
+///
+/// Error, with u the roundoff and |·|₊ the sum of the products without their signs: a side is off by γ(8) of
+/// its |·|₊ (two roundings in each of the two differences' difference and sum, three in the cross
+/// product, three in the dot product), the sum by these errors and γ(2) of the sides, the height by γ(8)
+/// of its |·|₊; quotients as in [`EdgeTriangle`](super::EdgeTriangle).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PluckerTriangle<R = f32> {
+    corners: [Triple<R>; 3],
+}
+
+impl<R: Number> TriangleTest<R> for PluckerTriangle<R> {
+    type Ray = [Triple<R>; 2];
+
+    #[inline(always)]
+    fn new(corners: &[Vec3; 3]) -> Self {
+        Self { corners: corners.map(|corner| corner.to_array().map(R::from_f32)) }
+    }
+
+    #[inline(always)]
+    fn ray(origin: Triple<f32>, direction: Triple<f32>) -> Self::Ray {
+        [origin.map(R::from_f32), direction.map(R::from_f32)]
+    }
+
+    #[inline(always)]
+    fn intersect(&self, &[origin, direction]: &Self::Ray) -> Candidate<R> {
+        let [a, b, c] = self.corners.map(|corner| sub(corner, origin));
+        let (a_c, b_a, c_b) = (sub(c, a), sub(a, b), sub(b, c));
+        // Twice the weights of the corners times their sum: each is the side of the opposite edge.
+        let weights = [
+            dot(cross(c_b, add(b, c)), direction),
+            dot(cross(a_c, add(c, a)), direction),
+            dot(cross(b_a, add(a, b)), direction),
+        ];
+        let sum = weights[0] + weights[1] + weights[2];
+        let normal = cross(c_b, b_a);
+        let height = dot(a, normal);
+        let across = dot(normal, direction);
+        Candidate {
+            t: height / across,
+            u: weights[1] / sum,
+            v: weights[2] / sum,
+            inside: super::same_sign(weights.map(|w| i8::from(w > R::ZERO) - i8::from(w < R::ZERO)), sum),
+        }
+    }
+}
