@@ -12,8 +12,10 @@
 //! | [`chip::naive_simulate`] | the chip in time |
 //! | [`search::closest_hit`] | kd-tree traversal |
 //! | [`exact::judge`], [`exact::closest`] | triangle tests, and what a ray hits first |
+//! | [`bvh::Bvh`] | kd-tree traversal, in large scenes |
 //! | [`paper`] | figures, against the published ones |
 
+pub mod bvh;
 pub mod cache;
 pub mod chip;
 pub mod exact;
