@@ -2,8 +2,11 @@
 //!
 //! An interval of distances a ray says which part of the ray lies in the cell at hand. Bounds of
 //! intervals are computed in f32 and widened by their rounding error, so that no cell is missed:
-//! `t = (plane - origin) · (1 / direction)` takes three roundings, so that the true distance lies
-//! within `t · (1 ± γ(3))`, γ(n) = n·u / (1 - n·u), u = 2⁻²⁴ (Higham 2002, §3.1; after Ize 2013).
+//! `t = (plane - origin) · (1 / direction)` takes three roundings, so that the computed distance is
+//! the true one times 1 ± γ(3), γ(n) = n·u / (1 - n·u), u = 2⁻²⁴, and up to 2⁻¹⁵⁰ more where the
+//! product underflows (Higham 2002, §2.1 and §3.1; after Ize 2013). The difference cannot underflow,
+//! and the reciprocal must not: where it would, [`reciprocal`] makes it NaN, for which no interval
+//! is cut.
 
 use crate::image::{LIST_ENTRY_BYTES, ListEntry, NODE_BYTES, NodeRecord, Registers};
 use crate::intersection::Prepared;
@@ -12,9 +15,17 @@ use crate::memory::{Memory, Port};
 use crate::ray::{Hits, Packet, Query};
 use crate::units::HostAddr;
 
-/// Relative width by which a distance to a plane is widened to each side: 2 γ(3), the second γ(3)
-/// for the rounding of the widening itself and for the distance that it is compared to.
+/// Relative width by which a distance to a plane is widened to each side: 2 γ(3). The first γ(3) is
+/// the error of the distance. Of the second one u is for the rounding of the widening itself, and
+/// 2u are left for the distance that it is compared to: a hit may be reported at up to 1 ± 2u times
+/// its true distance, that is within one unit in the last place, and cuts off no hit that is nearer
+/// or as near (KD-4).
 const WIDENING: f32 = 6.0 * (f32::EPSILON / 2.0) / (1.0 - 3.0 * (f32::EPSILON / 2.0));
+
+/// Absolute width, for distances among the least f32, where rounding is not relative: half of the
+/// least f32 each for the rounding of the distance, of the widening, and of the distance of a hit
+/// that it is compared to, and as much to spare. It changes no distance above 2⁻¹²³.
+const UNDERFLOW: f32 = f32::from_bits(2);
 
 /// The parts of the rays that lie in a cell: `enter ≤ t ≤ leave`, closed, empty for a ray that
 /// does not meet the cell.
@@ -88,7 +99,7 @@ pub fn max(a: f32, b: f32) -> f32 {
 #[must_use]
 pub fn widen(t: f32) -> (f32, f32) {
     let (a, b) = (t * (1.0 - WIDENING), t * (1.0 + WIDENING));
-    (min(a, b), max(a, b))
+    (min(a, b) - UNDERFLOW, max(a, b) + UNDERFLOW)
 }
 
 /// The interval of one ray in the two children of a node (KD-3): below and above the plane that it
@@ -106,8 +117,24 @@ pub fn visit(enter: f32, leave: f32, (least, greatest): (f32, f32), downwards: b
     [below, above]
 }
 
-/// 1 / direction of each ray, for each axis.
+/// What differences of coordinates are multiplied by to give distances, for each axis and ray.
 type Reciprocals<const N: usize> = [[f32; N]; 3];
+
+/// 1 / `direction`, for distances to planes up to `reach` away: infinite where the ray is parallel
+/// to them, and NaN, for which every ray goes to both children, where distances would be off by more
+/// than their bound (KD-3, Derived).
+///
+/// That is where the reciprocal is less than the least normal f32, or a distance is greater than
+/// the greatest f32: a ray with a component of 2⁻¹³⁰ has none that is an f32, but moves by 1/8 until
+/// t = 2¹²⁷.
+#[inline(always)]
+#[must_use]
+pub fn reciprocal(direction: f32, reach: f32) -> f32 {
+    let reciprocal = 1.0 / direction;
+    let exact = direction == 0.0;
+    let bounded = (reciprocal.abs() >= f32::MIN_POSITIVE) & (reach * reciprocal.abs() < f32::INFINITY);
+    if exact | bounded { reciprocal } else { f32::NAN }
+}
 
 /// Whether a ray goes towards lower coordinates, by the reciprocal of its direction; −0.0, whose
 /// reciprocal is −∞, does.
@@ -247,7 +274,7 @@ impl<const N: usize> Traversal<N> {
         query: Query,
     ) -> Hits<N> {
         let mut hits = Hits::none(packet);
-        let reciprocal = packet.direction.map(|row| row.map(|d| 1.0 / d));
+        let reciprocal = reciprocals(registers, packet);
         let intervals = clip_to_bounds(registers, packet, &reciprocal);
         self.stack.begin(Visit { node: registers.root, intervals });
         while let Some(mut at) = self.stack.resume() {
@@ -311,6 +338,21 @@ impl<const N: usize> Traversal<N> {
         });
         *at = if self.stack.descend(visited, low, high) { high } else { low };
     }
+}
+
+/// The reciprocals of the rays' directions, for planes in the box around the scene. Planes outside
+/// of it may be met at greater distances than there are, but nothing lies behind them.
+fn reciprocals<const N: usize>(registers: &Registers, packet: &Packet<N>) -> Reciprocals<N> {
+    let mut reciprocals = [[f32::NAN; N]; 3];
+    for axis in 0..3 {
+        let (low, high) = (registers.bounds.min[axis], registers.bounds.max[axis]);
+        for lane in 0..N {
+            let origin = packet.origin[axis][lane];
+            let reach = max((low - origin).abs(), (high - origin).abs());
+            reciprocals[axis][lane] = reciprocal(packet.direction[axis][lane], reach);
+        }
+    }
+    reciprocals
 }
 
 /// The parts of the rays in the box around the scene.
@@ -385,6 +427,21 @@ mod tests {
         assert_eq!(WIDENING, (2.0 * gamma) as f32);
         assert_eq!(widen(2.0), (2.0 * (1.0 - WIDENING), 2.0 * (1.0 + WIDENING)));
         assert_eq!(widen(-2.0), (-2.0 * (1.0 + WIDENING), -2.0 * (1.0 - WIDENING)));
+        // Among the least numbers by two of them.
+        assert_eq!(widen(f32::from_bits(9)), (f32::from_bits(7), f32::from_bits(11)));
+        assert_eq!(widen(0.0), (-f32::from_bits(2), f32::from_bits(2)));
+    }
+
+    #[test]
+    fn distances_that_would_not_be_bounded_are_nan() {
+        let least = 2.0_f32.powi(-130);
+        assert!(reciprocal(least, 1.0).is_nan() && reciprocal(-least, 0.0).is_nan());
+        assert!(reciprocal(2.0_f32.powi(127), 1.0).is_nan());
+        assert!(reciprocal(2.0_f32.powi(-120), 2.0_f32.powi(8)).is_nan());
+        assert!(reciprocal(1.0, f32::INFINITY).is_nan() && reciprocal(f32::NAN, 1.0).is_nan());
+        assert_eq!(reciprocal(2.0_f32.powi(-120), 2.0_f32.powi(7)), 2.0_f32.powi(120));
+        assert_eq!((reciprocal(0.0, 0.0), reciprocal(-0.0, 9.0)), (f32::INFINITY, f32::NEG_INFINITY));
+        assert_eq!((reciprocal(4.0, 1.0), reciprocal(-4.0, 1.0)), (0.25, -0.25));
     }
 
     #[test]

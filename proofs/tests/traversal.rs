@@ -318,6 +318,30 @@ fn reads_what_is_met<const N: usize>(
     Ok(least == most)
 }
 
+/// Exponents by which coordinates and directions are multiplied: as they are, to distances among
+/// the least f32, where the reciprocals are too, and to distances among the largest. The triangle
+/// test stays as exact as it is.
+fn scales() -> impl Strategy<Value = (i32, i32)> {
+    prop_oneof![Just((0, 0)), Just((-24, 125)), Just((-18, 126)), Just((0, -126))]
+}
+
+/// A ray through the scene of which all coordinates were multiplied by 2 to the first exponent,
+/// with a direction multiplied by 2 to the second. Components that are `slow` are an eighth.
+fn scaled(ray: Ray, (coordinates, direction): (i32, i32), slow: [bool; 3]) -> Ray {
+    let slow = Vec3::from_array(slow.map(|slow| if slow { 0.125 } else { 1.0 }));
+    // In two steps, as the factor may be more than any f32.
+    let t = |t: f32| {
+        let exponent = coordinates - direction;
+        t * 2.0_f32.powi(exponent / 2) * 2.0_f32.powi(exponent - exponent / 2)
+    };
+    Ray {
+        origin: ray.origin * 2.0_f32.powi(coordinates),
+        direction: ray.direction * slow * 2.0_f32.powi(direction),
+        t_min: t(ray.t_min),
+        t_max: t(ray.t_max),
+    }
+}
+
 fn without_lists(mut tree: KdTree) -> KdTree {
     for node in &mut tree.nodes {
         if let Node::Leaf { first, count } = node {
@@ -348,6 +372,30 @@ proptest! {
             agrees(&mut by_four, &triangles, &image, rays)?;
         }
         agrees(&mut by_many, &triangles, &image, &many)?;
+    }
+
+    #[test]
+    fn hits_at_the_least_and_the_largest_distances_are_those_of_the_search(
+        triangles in triangles(),
+        cuts in cuts(),
+        rays in vec((rays(), any::<[bool; 3]>()), 40),
+        scale in scales(),
+    ) {
+        let factor = 2.0_f32.powi(scale.0);
+        let mut tree = tree(&triangles, &cuts);
+        tree.bounds = Aabb { min: tree.bounds.min * factor, max: tree.bounds.max * factor };
+        for node in &mut tree.nodes {
+            if let Node::Inner { split, .. } = node {
+                *split *= factor;
+            }
+        }
+        let scaled_corners = |triangle: &Triangle| Triangle { corners: triangle.corners.map(|p| p * factor), ..*triangle };
+        let triangles: Vec<Triangle> = triangles.iter().map(scaled_corners).collect();
+        let image = lay_out(triangles.clone(), &tree);
+        let mut traversal = Traversal::default();
+        for (ray, slow) in rays {
+            agrees(&mut traversal, &triangles, &image, &[Some(scaled(ray, scale, slow))])?;
+        }
     }
 
     #[test]
