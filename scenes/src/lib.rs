@@ -15,6 +15,7 @@ mod export;
 pub mod kdbuild;
 mod obj;
 mod overview;
+mod random;
 mod text;
 
 pub use csv::{read_cameras, read_lights};
@@ -22,3 +23,4 @@ pub use error::SceneError;
 pub use export::export_obj;
 pub use obj::load_obj;
 pub use overview::overview;
+pub use random::Random;

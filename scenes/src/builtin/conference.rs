@@ -22,8 +22,9 @@ use super::finish::Finish;
 use super::furniture::{
     WHOLE, armchair, block, book, bookcase, empty, lectern, meeting_table, placed, side_chair, whiteboard,
 };
-use super::mesh::{Mesh, Random, rounded_line};
+use super::mesh::{Mesh, rounded_line};
 use super::path::{WayPoint, cameras, evenly};
+use crate::random::Random;
 
 /// Triangles (Table 1, Stated).
 pub const TRIANGLES: usize = 282_000;

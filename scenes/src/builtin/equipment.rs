@@ -7,7 +7,8 @@ use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
 
 use super::finish::Finish;
 use super::furniture::{WHOLE, block, empty, placed};
-use super::mesh::{Mesh, Random, Vertex, circle, rounded_line};
+use super::mesh::{Mesh, Vertex, circle, rounded_line};
+use crate::random::Random;
 
 /// A mug with a handle, of `sides` sides.
 #[must_use]

@@ -5,7 +5,8 @@ use std::f32::consts::TAU;
 use glam::{Affine3A, Quat, Vec2, Vec3, vec2, vec3};
 
 use super::finish::Finish;
-use super::mesh::{Mesh, Random, Vertex, rounded_line};
+use super::mesh::{Mesh, Vertex, rounded_line};
+use crate::random::Random;
 
 /// A cell size that leaves faces whole.
 pub const WHOLE: f32 = f32::INFINITY;

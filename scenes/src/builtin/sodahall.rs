@@ -18,8 +18,9 @@ use super::furniture::{
     WHOLE, block, book, bookcase, desk, drawers, empty, lectern, meeting_table, placed, swivel_chair,
     whiteboard, wooden_chair,
 };
-use super::mesh::{Mesh, Random};
+use super::mesh::Mesh;
 use super::path::{cameras, evenly};
+use crate::random::Random;
 
 /// Triangles (Table 1, Stated).
 pub const TRIANGLES: usize = 1_510_322;

@@ -16,9 +16,10 @@ use std::f32::consts::FRAC_PI_2;
 use glam::{Affine3A, Quat, Vec3, vec3};
 use saarcor_model::scene::{Light, Scene};
 
-use super::mesh::{Mesh, Random};
+use super::mesh::Mesh;
 use super::palette::Palette;
 use super::path::{WayPoint, cameras};
+use crate::random::Random;
 use surfaces::{Surfaces, surfaces};
 
 /// Triangles (Table 1, Stated).

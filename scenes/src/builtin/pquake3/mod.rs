@@ -13,9 +13,10 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use glam::{Affine3A, Quat, Vec2, Vec3, vec2, vec3};
 use saarcor_model::scene::{Light, Scene};
 
-use super::mesh::{Mesh, Random, Surface, Vertex, circle};
+use super::mesh::{Mesh, Surface, Vertex, circle};
 use super::palette::Palette;
 use super::path::{cameras, evenly};
+use crate::random::Random;
 use props::Item;
 use surfaces::{Surfaces, surfaces};
 
