@@ -18,6 +18,7 @@
 pub mod bvh;
 pub mod cache;
 pub mod chip;
+pub mod embree;
 pub mod exact;
 pub mod flat;
 pub mod paper;

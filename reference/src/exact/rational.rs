@@ -15,7 +15,9 @@ use std::cmp::Ordering;
 /// Three coordinates or components.
 type Triple = [Relaxed; 3];
 
-fn number(value: f32) -> Option<Relaxed> {
+/// The same number. `None` for NaN and infinity.
+#[must_use]
+pub fn number(value: f32) -> Option<Relaxed> {
     Relaxed::try_from(value).ok()
 }
 
