@@ -61,6 +61,12 @@ fn name_of<T: PartialEq>(choices: Choices<T>, value: &T) -> &'static str {
     choices.iter().find(|(_, choice)| choice == value).expect("every value has its name").0
 }
 
+/// The name of a triangle test.
+#[must_use]
+pub fn kernel_name(kernel: Kernel) -> &'static str {
+    name_of(KERNELS, &kernel)
+}
+
 /// The one of `choices` that is so named.
 fn named<T: Copy>(choices: Choices<T>, name: &str) -> Result<T, String> {
     let found = choices.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
@@ -191,9 +197,9 @@ pub struct SceneArgs {
     /// How the kd-tree is built: surface area heuristic, or spatial median as in 2003
     #[arg(long, value_parser = choice(TREES), default_value = name_of(TREES, &SplitRule::SurfaceArea))]
     tree: SplitRule,
-    /// Triangle test
-    #[arg(long, value_parser = choice(KERNELS), default_value = name_of(KERNELS, &Kernel::default()))]
-    kernel: Kernel,
+    /// Triangle test [default: moller-trumbore; where answers are judged, adaptive]
+    #[arg(long, value_parser = choice(KERNELS))]
+    pub kernel: Option<Kernel>,
 }
 
 impl SceneArgs {
@@ -206,7 +212,7 @@ impl SceneArgs {
             no_textures: self.no_textures,
             no_mip_maps: self.no_mip_maps,
             tree: BuildOptions { rule: self.tree, ..BuildOptions::default() },
-            kernel: self.kernel,
+            kernel: self.kernel.unwrap_or_default(),
             last_frame,
         }
     }

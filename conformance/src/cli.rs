@@ -1,8 +1,9 @@
 //! The verbs, exit statuses, and how errors are shown.
 
+use crate::embree::Absent;
 use crate::output::{ClosedPipe, Stdout};
 use crate::progress::Progress;
-use crate::verbs::{metadata, prove, render, reproduce, scenes, simulate, sweep, trace, walk};
+use crate::verbs::{crosscheck, metadata, prove, render, reproduce, scenes, simulate, sweep, trace, walk};
 use anyhow::{Context, Result};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -63,6 +64,7 @@ enum Verb {
     Merge(sweep::MergeArgs),
     Trace(trace::Args),
     Prove(prove::Args),
+    Crosscheck(crosscheck::Args),
     Reproduce(reproduce::Args),
 }
 
@@ -80,7 +82,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
             let line = format!("saarcor: {error:#}").replace('\n', " ");
             // Where standard error is closed too, the status has to do.
             let _ = writeln!(std::io::stderr(), "{line}");
-            ExitCode::from(BAD_INPUT)
+            ExitCode::from(if error.is::<Absent>() { Status::Incomplete as u8 } else { BAD_INPUT })
         }
         Ok(status) => ExitCode::from(status as u8),
         Err(_) => ExitCode::from(Status::Holds as u8),
@@ -106,6 +108,7 @@ impl Cli {
                 Verb::Merge(args) => args.run(),
                 Verb::Trace(args) => args.run(&progress),
                 Verb::Prove(args) => return args.run(&progress),
+                Verb::Crosscheck(args) => return args.run(&progress),
                 Verb::Reproduce(args) => args.run(&progress),
             }
             .map(|()| Status::Holds)

@@ -16,6 +16,8 @@
 //! | [`simulate`] | step two of §4: a frame on the chip, cycle by cycle |
 //! | [`sweep`] | one frame on many chips |
 //! | [`curve`] | the costs of a sweep as curves |
+//! | [`crosscheck`] | the model, the exact judge and Embree, ray by ray |
+//! | [`embree`] | runs Embree |
 //! | [`metadata`] | the metadata law beside the paper's examples |
 //! | [`summary`] | what a scene needs, and the bytes of its image |
 //! | [`reproduce`] | the paper's figures, ours beside theirs |
@@ -24,7 +26,9 @@
 
 pub mod args;
 pub mod cli;
+pub mod crosscheck;
 pub mod curve;
+pub mod embree;
 pub mod limits;
 pub mod metadata;
 mod names;

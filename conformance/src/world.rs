@@ -88,6 +88,14 @@ impl World {
     /// # Errors
     /// If there is no such scene, it cannot be read, or it does not fit the chip.
     pub fn open(options: &WorldOptions, progress: &Progress) -> Result<Self> {
+        Self::open_with_scene(options, progress).map(|(world, _)| world)
+    }
+
+    /// [`World::open`], with the scene itself: its triangles in their own order.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn open_with_scene(options: &WorldOptions, progress: &Progress) -> Result<(Self, Scene)> {
         let started = Instant::now();
         let scene = progress.during(&format!("{}: scene", options.scene), |_| open_scene(options))?;
         let loaded = started.elapsed().as_secs_f64();
@@ -111,16 +119,17 @@ impl World {
             })
             .with_context(|| format!("scene {}", options.scene))?;
         let leaves = tree.nodes.iter().filter(|node| matches!(node, Node::Leaf { .. })).count();
-        Ok(Self {
+        let world = Self {
             name: options.scene.clone(),
             features: image.registers.features,
             triangles: scene.triangles.len(),
             degenerate: scene.triangles.iter().filter(|triangle| triangle.is_degenerate()).count(),
             tree: TreeFacts { nodes: tree.nodes.len(), leaves, refs: tree.refs.len() },
-            path: scene.path,
+            path: scene.path.clone(),
             image,
             seconds: [loaded, built, started.elapsed().as_secs_f64()],
-        })
+        };
+        Ok((world, scene))
     }
 }
 

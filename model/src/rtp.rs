@@ -5,7 +5,7 @@ use crate::image::Registers;
 use crate::memory::{Memory, Port};
 use crate::ray::{Packet, Query, Ray};
 use crate::raygen::{Frame, ray_from_surface};
-use crate::scene::Features;
+use crate::scene::{Features, Light};
 use crate::shading::{BACKGROUND, Cones, Surface, surfaces};
 use crate::traversal::Traversal;
 use glam::Vec3;
@@ -134,14 +134,8 @@ impl<const N: usize> Pipeline<N> {
         }
         let mut colours = surfaces.map(|surface| surface.map_or(BACKGROUND, |s| s.ambient()));
         for light in &registers.lights {
-            let shadow = Packet::new(surfaces.map(|surface| {
-                surface.map(|s| {
-                    let to_light = light.position - s.point;
-                    let start = ray_from_surface(s.point, s.scale, s.plane_normal, to_light, 1.0);
-                    // The light, not a point beside it, is where the ray ends.
-                    Ray { direction: light.position - start.origin, ..start }
-                })
-            }));
+            let shadow =
+                Packet::new(surfaces.map(|surface| surface.map(|surface| shadow_ray(&surface, light))));
             let rays = shadow.active();
             if rays == 0 {
                 return colours;
@@ -157,6 +151,15 @@ impl<const N: usize> Pipeline<N> {
         }
         colours
     }
+}
+
+/// The ray from a surface to a light (RG-5). It ends at the light itself, at distance 1.
+#[must_use]
+pub fn shadow_ray(surface: &Surface, light: &Light) -> Ray {
+    let Surface { point, scale, plane_normal, .. } = *surface;
+    let start = ray_from_surface(point, scale, plane_normal, light.position - point, 1.0);
+    // The light, not a point beside it, is where the ray ends.
+    Ray { direction: light.position - start.origin, ..start }
 }
 
 /// The two kinds of secondary rays.
