@@ -343,16 +343,14 @@ impl<const N: usize> Traversal<N> {
 /// The reciprocals of the rays' directions, for planes in the box around the scene. Planes outside
 /// of it may be met at greater distances than there are, but nothing lies behind them.
 fn reciprocals<const N: usize>(registers: &Registers, packet: &Packet<N>) -> Reciprocals<N> {
-    let mut reciprocals = [[f32::NAN; N]; 3];
-    for axis in 0..3 {
+    std::array::from_fn(|axis| {
         let (low, high) = (registers.bounds.min[axis], registers.bounds.max[axis]);
-        for lane in 0..N {
+        std::array::from_fn(|lane| {
             let origin = packet.origin[axis][lane];
             let reach = max((low - origin).abs(), (high - origin).abs());
-            reciprocals[axis][lane] = reciprocal(packet.direction[axis][lane], reach);
-        }
-    }
-    reciprocals
+            reciprocal(packet.direction[axis][lane], reach)
+        })
+    })
 }
 
 /// The parts of the rays in the box around the scene.

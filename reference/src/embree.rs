@@ -81,30 +81,29 @@ pub fn decode_answers(bytes: &[u8], rays: usize, triangles: usize) -> Option<Vec
 /// `None` where ray and plane have no one point in common. (Derived from Embree's published tests.)
 ///
 /// Both tests compute `t = A · n / (d · n)` with the corners counted from the origin and `n` the
-/// product of two edges; one takes the edges before, one after the corners were moved to the origin.
-/// An edge then has an error of 2u (|A| + |B|), u = 2⁻²⁴, at most. A product of two edges, with a
-/// third factor and two additions, takes at most 4 more roundings besides 1 of the third factor: the
-/// error of either volume is at most γ(9) times the volume computed from absolute values, with
-/// |A| + |B| in the place of an edge. The reciprocal is an estimate of 12 bits or more with one
-/// Newton step, which leaves at most 2⁻²² or 4u, and the product with it takes one rounding: 5u of
-/// the distance. Fused operations only leave roundings out.
+/// product of two edges; one takes the edges before, one after the corners were moved to the origin,
+/// and it chooses which two. An edge then has an error of 2u (|A| + |B| + |C|), u = 2⁻²⁴, at most.
+/// With both edges, their product of two roundings, the third factor, its product and two additions,
+/// either volume is off by at most γ(10) times the volume computed from absolute values, with
+/// |A| + |B| + |C| in the place of an edge. The reciprocal is an estimate to 1.5 · 2⁻¹² with one
+/// Newton step, which leaves the square of that, 2.25u, and three roundings; with the product that
+/// follows, 7u of the distance. Fused operations only leave roundings out.
 #[must_use]
 pub fn distance_bound(ray: &Ray, corners: &[Vec3; 3]) -> Option<f64> {
     let unit = f64::from(f32::EPSILON) / 2.0;
-    let gamma = 9.0 * unit / (1.0 - 9.0 * unit);
+    let gamma = 10.0 * unit / (1.0 - 10.0 * unit);
     let t = nearest_f64(&solve(ray, corners)?.t);
     let (origin, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let [a, b, c] = corners.map(|corner| corner.as_dvec3() - origin);
     let normal = (b - a).cross(c - a);
-    let [size_a, size_b, size_c] = [a, b, c].map(DVec3::abs);
-    let (p, q) = (size_a + size_b, size_a + size_c);
-    let size = DVec3::new(p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x);
+    let edge = a.abs() + b.abs() + c.abs();
+    let size = 2.0 * DVec3::new(edge.y * edge.z, edge.z * edge.x, edge.x * edge.y);
     let (across, error) = (d.dot(normal).abs(), gamma * d.abs().dot(size));
     if across <= error {
         return Some(f64::INFINITY);
     }
-    let of_volumes = (gamma * size_a.dot(size) + t.abs() * error) / (across - error);
-    Some(of_volumes + 5.0 * unit * (t.abs() + of_volumes))
+    let of_volumes = (gamma * a.abs().dot(size) + t.abs() * error) / (across - error);
+    Some(of_volumes + 7.0 * unit * (t.abs() + of_volumes))
 }
 
 #[cfg(test)]
