@@ -23,12 +23,13 @@ use std::ops::Range;
 use std::str::FromStr;
 
 /// Values of an argument by their names.
-type Choices<T> = &'static [(&'static str, T)];
+pub type Choices<T> = &'static [(&'static str, T)];
 
 const HASHES: Choices<Hash> =
     &[("low", Hash::Low), ("add-upper", Hash::AddUpper), ("add-upper-all", Hash::AddUpperAll)];
 const POLICIES: Choices<Policy> = &[("lru", Policy::Lru), ("fifo", Policy::Fifo), ("plru", Policy::Plru)];
-const KERNELS: Choices<Kernel> = &[
+/// The triangle tests by their names.
+pub const KERNELS: Choices<Kernel> = &[
     ("moller-trumbore", Kernel::MollerTrumbore),
     ("wald", Kernel::Wald),
     ("plucker", Kernel::Plucker),
@@ -49,7 +50,7 @@ const BUSES: Choices<PciConfig> =
 const WAYS: Choices<u32> = &[("1", 1), ("2", 2), ("4", 4), ("8", 8), ("16", 16)];
 
 /// An argument that is one of `choices`.
-fn choice<T: Copy + Send + Sync>(choices: Choices<T>) -> impl TypedValueParser<Value = T> {
+pub fn choice<T: Copy + Send + Sync>(choices: Choices<T>) -> impl TypedValueParser<Value = T> {
     PossibleValuesParser::new(choices.iter().map(|(name, _)| *name)).map(move |given| {
         let chosen = choices.iter().find(|(name, _)| *name == given);
         chosen.expect("the parser lets only these names pass").1
@@ -57,7 +58,10 @@ fn choice<T: Copy + Send + Sync>(choices: Choices<T>) -> impl TypedValueParser<V
 }
 
 /// The name of one of `choices`.
-fn name_of<T: PartialEq>(choices: Choices<T>, value: &T) -> &'static str {
+///
+/// # Panics
+/// If it has none.
+pub fn name_of<T: PartialEq>(choices: Choices<T>, value: &T) -> &'static str {
     choices.iter().find(|(_, choice)| choice == value).expect("every value has its name").0
 }
 

@@ -3,7 +3,9 @@
 use crate::embree::Absent;
 use crate::output::{ClosedPipe, Stdout};
 use crate::progress::Progress;
-use crate::verbs::{crosscheck, metadata, prove, render, reproduce, scenes, simulate, sweep, trace, walk};
+use crate::verbs::{
+    accuracy, crosscheck, metadata, prove, render, reproduce, scenes, simulate, sweep, trace, walk,
+};
 use anyhow::{Context, Result};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -65,6 +67,7 @@ enum Verb {
     Trace(trace::Args),
     Prove(prove::Args),
     Crosscheck(crosscheck::Args),
+    Accuracy(accuracy::Args),
     Reproduce(reproduce::Args),
 }
 
@@ -109,6 +112,7 @@ impl Cli {
                 Verb::Trace(args) => args.run(&progress),
                 Verb::Prove(args) => return args.run(&progress),
                 Verb::Crosscheck(args) => return args.run(&progress),
+                Verb::Accuracy(args) => args.run(&progress),
                 Verb::Reproduce(args) => args.run(&progress),
             }
             .map(|()| Status::Holds)

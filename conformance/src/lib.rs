@@ -18,12 +18,14 @@
 //! | [`curve`] | the costs of a sweep as curves |
 //! | [`crosscheck`] | the model, the exact judge and Embree, ray by ray |
 //! | [`embree`] | runs Embree |
+//! | [`accuracy`] | triangle tests and number formats: speed against error |
 //! | [`metadata`] | the metadata law beside the paper's examples |
 //! | [`summary`] | what a scene needs, and the bytes of its image |
 //! | [`reproduce`] | the paper's figures, ours beside theirs |
 //! | [`plot`] | how graphs look |
 //! | [`table`] | tables as text and as HTML |
 
+pub mod accuracy;
 pub mod args;
 pub mod cli;
 pub mod crosscheck;

@@ -129,14 +129,14 @@ impl KeptTriangle {
     pub fn new(hit: &AdaptiveHit) -> Self {
         let error = hit.t_error + (hit.t - f64::from(hit.t as f32)).abs();
         // Two roundings: of the sum, and to f32.
-        Self { corners: hit.corners, t_error: (error as f32).next_up().next_up() }
+        Self { corners: *hit.corners, t_error: (error as f32).next_up().next_up() }
     }
 
     /// The hit again, at the distance that it was rounded to.
     #[must_use]
-    pub fn hit(&self, t: f32) -> AdaptiveHit {
+    pub fn hit(&self, t: f32) -> AdaptiveHit<'_> {
         let t_error = f64::from(self.t_error);
-        AdaptiveHit { t: f64::from(t), u: 0.0, v: 0.0, t_error, corners: self.corners }
+        AdaptiveHit { t: f64::from(t), u: 0.0, v: 0.0, t_error, corners: &self.corners }
     }
 }
 

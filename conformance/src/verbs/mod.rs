@@ -1,5 +1,6 @@
 //! The verbs of the command line: arguments in, printed results out.
 
+pub mod accuracy;
 pub mod crosscheck;
 pub mod metadata;
 pub mod prove;

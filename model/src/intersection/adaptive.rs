@@ -1,11 +1,14 @@
 //! The adaptive test: exact hits at the cost of a fast test.
 
 use super::Candidate;
-use super::expansion::{Expansion, two_product, two_sum};
+use super::expansion::{self, SIX_FACTORS, THREE_FACTORS, two_product, two_sum};
 use super::number::{Triple, dominant_axis, sub};
 use crate::ray::Ray;
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
+
+/// A number of up to three factors, exactly.
+type Expansion = expansion::Expansion<THREE_FACTORS>;
 
 /// The roundoff of f64.
 const UNIT: f64 = f64::EPSILON / 2.0;
@@ -70,6 +73,13 @@ pub struct AdaptiveRay {
 }
 
 impl AdaptiveRay {
+    /// The ray itself.
+    #[inline(always)]
+    #[must_use]
+    pub fn ray(&self) -> &Ray {
+        &self.ray
+    }
+
     /// From a ray.
     #[inline(always)]
     #[must_use]
@@ -107,7 +117,7 @@ impl Estimate {
 
 /// A hit of the adaptive test.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AdaptiveHit {
+pub struct AdaptiveHit<'a> {
     /// Distance along the ray.
     pub t: f64,
     /// Barycentric weight of the second corner.
@@ -117,7 +127,7 @@ pub struct AdaptiveHit {
     /// By how much `t` may be off.
     pub t_error: f64,
     /// The corners of the triangle, from which an order of hits that `t` leaves in doubt is decided.
-    pub corners: [Vec3; 3],
+    pub corners: &'a [Vec3; 3],
 }
 
 impl AdaptiveTriangle {
@@ -158,11 +168,13 @@ impl AdaptiveTriangle {
     #[inline(always)]
     pub(super) fn estimate(&self, ray: &AdaptiveRay) -> Estimate {
         let (k, p, q) = (self.axis, (self.axis + 1) % 3, (self.axis + 2) % 3);
-        let (direction, from) = (ray.direction, sub(ray.origin, self.corner));
-        let across = direction[k] + self.plane[0] * direction[p] + self.plane[1] * direction[q];
+        // Component by component: an array would be written before it is read by an index.
+        let [d_k, d_p, d_q] = [k, p, q].map(|axis| ray.direction[axis]);
+        let [from_k, from_p, from_q] = [k, p, q].map(|axis| ray.origin[axis] - self.corner[axis]);
+        let across = d_k + self.plane[0] * d_p + self.plane[1] * d_q;
         let reciprocal = 1.0 / across;
-        let t = -(from[k] + self.plane[0] * from[p] + self.plane[1] * from[q]) * reciprocal;
-        let (x, y) = (from[p] + t * direction[p], from[q] + t * direction[q]);
+        let t = -(from_k + self.plane[0] * from_p + self.plane[1] * from_q) * reciprocal;
+        let (x, y) = (from_p + t * d_p, from_q + t * d_q);
         let [u, v] = self.weights.map(|[w_x, w_y]| w_x * x + w_y * y);
         let scale = (ray.reach + self.reach + t.abs() * ray.size) * reciprocal.abs();
         Estimate {
@@ -178,7 +190,7 @@ impl AdaptiveTriangle {
     /// Whether `ray` hits the triangle within its range, exactly (IS-1, IS-2).
     #[inline]
     #[must_use]
-    pub fn intersect(&self, ray: &AdaptiveRay) -> Option<AdaptiveHit> {
+    pub fn intersect(&self, ray: &AdaptiveRay) -> Option<AdaptiveHit<'_>> {
         let found = self.estimate(ray);
         if found.is_outside() {
             return None;
@@ -194,12 +206,12 @@ impl AdaptiveTriangle {
     /// known to half a unit in the last place of an f32, so that, rounded, it is off by less than
     /// one: traversal cuts off by it what lies behind (KD-4).
     #[inline]
-    fn in_range(&self, ray: &AdaptiveRay, found: &Estimate) -> Option<AdaptiveHit> {
+    fn in_range(&self, ray: &AdaptiveRay, found: &Estimate) -> Option<AdaptiveHit<'_>> {
         let Estimate { t, u, v, distance_error: error, .. } = *found;
         let (t_min, t_max) = (f64::from(ray.ray.t_min), f64::from(ray.ray.t_max));
         let known = error <= t.abs() * f64::from(f32::EPSILON / 2.0);
         if known & ((t - t_min).abs() > error) & ((t - t_max).abs() > error) {
-            let hit = AdaptiveHit { t, u, v, t_error: error, corners: self.corners };
+            let hit = AdaptiveHit { t, u, v, t_error: error, corners: &self.corners };
             ((t > t_min) & (t < t_max)).then_some(hit)
         } else {
             self.intersect_exactly(&ray.ray)
@@ -208,29 +220,33 @@ impl AdaptiveTriangle {
 
     /// Without rounding, but for that of the numbers in the end.
     #[cold]
-    fn intersect_exactly(&self, ray: &Ray) -> Option<AdaptiveHit> {
+    fn intersect_exactly(&self, ray: &Ray) -> Option<AdaptiveHit<'_>> {
         let volumes = Volumes::new(ray, &self.corners)?;
-        let starts = volumes.distance_to(ray.t_min)? != Ordering::Less;
-        let ends = volumes.distance_to(ray.t_max)? == Ordering::Less;
+        if !volumes.are_inside() {
+            return None;
+        }
+        let height = volumes.height();
+        let starts = volumes.distance_to(&height, ray.t_min)? != Ordering::Less;
+        let ends = volumes.distance_to(&height, ray.t_max)? == Ordering::Less;
         let sum = volumes.sum.nearest();
         let over_sum = |number: &Expansion| number.nearest() / sum;
-        let t = over_sum(&volumes.height);
-        (starts && ends && volumes.are_inside()).then(|| AdaptiveHit {
+        let t = over_sum(&height);
+        (starts && ends).then(|| AdaptiveHit {
             t,
             u: over_sum(&volumes.weights[1]),
             v: over_sum(&volumes.weights[2]),
             // Numerator, divisor and quotient are each rounded once.
             t_error: 4.0 * UNIT * t.abs(),
-            corners: self.corners,
+            corners: &self.corners,
         })
     }
 }
 
-impl AdaptiveHit {
+impl AdaptiveHit<'_> {
     /// Which of two hits of `ray` is nearer, exactly.
     #[inline]
     #[must_use]
-    pub fn order(&self, other: &Self, ray: &Ray) -> Ordering {
+    pub fn order(&self, other: &AdaptiveHit, ray: &Ray) -> Ordering {
         if (self.t - other.t).abs() > self.t_error + other.t_error + UNIT * (self.t.abs() + other.t.abs()) {
             self.t.total_cmp(&other.t)
         } else {
@@ -239,11 +255,12 @@ impl AdaptiveHit {
     }
 
     #[cold]
-    fn order_exactly(&self, other: &Self, ray: &Ray) -> Ordering {
-        let volumes = Volumes::new(ray, &self.corners).zip(Volumes::new(ray, &other.corners));
+    fn order_exactly(&self, other: &AdaptiveHit, ray: &Ray) -> Ordering {
+        let volumes = Volumes::new(ray, self.corners).zip(Volumes::new(ray, other.corners));
         let Some((a, b)) = volumes else { return Ordering::Equal };
         // a.height / a.sum against b.height / b.sum.
-        let order = a.height.times(&b.sum).minus(&b.height.times(&a.sum)).sign();
+        let across = |height: Expansion, sum: &Expansion| height.times::<SIX_FACTORS>(sum);
+        let order = across(a.height(), &b.sum).minus(&across(b.height(), &a.sum)).sign();
         if a.sum.sign() == b.sum.sign() { order } else { order.reverse() }
     }
 
@@ -256,11 +273,13 @@ impl AdaptiveHit {
 }
 
 /// With the corners counted from the origin: the weights of the corners where the ray's line meets
-/// the plane, and the distance, each times the sum of the weights.
+/// the plane, times their sum.
 struct Volumes {
     weights: [Expansion; 3],
     sum: Expansion,
-    height: Expansion,
+    corner: Triple<Expansion>,
+    /// The cross product of the other two corners.
+    others: Triple<Expansion>,
 }
 
 impl Volumes {
@@ -281,8 +300,13 @@ impl Volumes {
         let weights =
             [along(&direction, &b_c), along(&direction, &cross(&c, &a)), along(&direction, &cross(&a, &b))];
         let sum = weights[0].plus(&weights[1]).plus(&weights[2]);
-        let height = a[0].times(&b_c[0]).plus(&a[1].times(&b_c[1])).plus(&a[2].times(&b_c[2]));
-        (sum.sign() != Ordering::Equal).then_some(Self { weights, sum, height })
+        (sum.sign() != Ordering::Equal).then_some(Self { weights, sum, corner: a, others: b_c })
+    }
+
+    /// The distance, times the sum of the weights.
+    fn height(&self) -> Expansion {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.corner[axis].times::<THREE_FACTORS>(&self.others[axis]));
+        x.plus(&y).plus(&z)
     }
 
     /// Whether no weight has another sign than their sum.
@@ -290,12 +314,17 @@ impl Volumes {
         self.weights.iter().all(|weight| weight.sign() != self.sum.sign().reverse())
     }
 
-    /// How the distance compares to `bound`; `None` where that is NaN.
-    fn distance_to(&self, bound: f32) -> Option<Ordering> {
+    /// How the distance, of this height, compares to `bound`; `None` where that is NaN.
+    fn distance_to(&self, height: &Expansion, bound: f32) -> Option<Ordering> {
         if !bound.is_finite() {
             return 0.0.partial_cmp(&bound);
         }
-        let order = self.height.minus(&self.sum.scaled(f64::from(bound))).sign();
+        // Four factors, which need more room than three.
+        let wide = |number: &Expansion, factor: f32| {
+            let factor = expansion::Expansion::difference(f64::from(factor), 0.0);
+            number.times::<SIX_FACTORS>(&factor)
+        };
+        let order = wide(height, 1.0).minus(&wide(&self.sum, bound)).sign();
         Some(if self.sum.sign() == Ordering::Greater { order } else { order.reverse() })
     }
 }
@@ -304,7 +333,7 @@ impl Volumes {
 fn cross(a: &Triple<Expansion>, b: &Triple<Expansion>) -> Triple<Expansion> {
     std::array::from_fn(|axis| {
         let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
-        a[p].times(&b[q]).minus(&a[q].times(&b[p]))
+        a[p].times::<THREE_FACTORS>(&b[q]).minus(&a[q].times(&b[p]))
     })
 }
 

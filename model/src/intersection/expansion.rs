@@ -3,16 +3,18 @@
 //! An expansion is the sum of its terms, which do not overlap: each is at most half of the last
 //! bit of the next larger one. So a number that is a multiple of 2^a and less than 2^b has at most
 //! (b - a) / 53 + 1 terms. All numbers here come from f32 by at most six multiplications: they are
-//! multiples of 2⁻⁸⁹⁴ = (2⁻¹⁴⁹)⁶ and less than 2⁷⁹⁰, so that nothing overflows or underflows, nor
+//! multiples of 2⁻⁸⁹⁴ = (2⁻¹⁴⁹)⁶ and less than 2⁷⁹⁰ (three factors: of 2⁻⁴⁴⁷, less than 2³⁹⁰), so that nothing overflows or underflows, nor
 //! does the error of any operation.
 
 use std::cmp::Ordering;
 
-/// Terms of the longest number: 2⁷⁹⁰ over 2⁻⁸⁹⁴, and one more.
-const LONGEST: usize = (790 + 894) / 53 + 1;
+/// Room for a number of three factors: it has up to (390 + 447) / 53 + 1 = 16 terms, and twice that
+/// before it is renormalised.
+pub(super) const THREE_FACTORS: usize = 32;
 
-/// Room for what is not yet renormalised: two terms for each of one number.
-const ROOM: usize = 2 * LONGEST;
+/// Room for a number of six factors: it has up to (790 + 894) / 53 + 1 = 32 terms, and twice that
+/// before it is renormalised.
+pub(super) const SIX_FACTORS: usize = 64;
 
 /// `a + b` rounded, and the error of that: their sum is exact (Knuth 1969).
 #[inline(always)]
@@ -48,15 +50,15 @@ pub(super) fn two_product(a: f64, b: f64) -> (f64, f64) {
     (product, error)
 }
 
-/// A number without rounding.
+/// A number without rounding, with room for `ROOM` terms.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Expansion {
+pub(super) struct Expansion<const ROOM: usize> {
     /// The least first.
     terms: [f64; ROOM],
     len: usize,
 }
 
-impl Expansion {
+impl<const ROOM: usize> Expansion<ROOM> {
     const ZERO: Self = Self { terms: [0.0; ROOM], len: 0 };
 
     /// The number `a - b`.
@@ -69,6 +71,7 @@ impl Expansion {
     }
 
     /// Appends a term that is larger than all others, unless it is 0.
+    #[inline(always)]
     fn push(&mut self, term: f64) {
         if term != 0.0 {
             self.terms[self.len] = term;
@@ -81,6 +84,7 @@ impl Expansion {
     }
 
     /// Adds one f64, of any magnitude. Terms stay free of overlap, but may leave gaps.
+    #[inline]
     fn add_term(&mut self, term: f64) {
         let (mut sum, len) = (term, self.len);
         self.len = 0;
@@ -92,64 +96,68 @@ impl Expansion {
         self.push(sum);
     }
 
-    /// The same number in the fewest terms.
-    fn renormalised(&self) -> Self {
+    /// Adds the product of two f64.
+    fn add_product(&mut self, a: f64, b: f64) {
+        let (product, error) = two_product(a, b);
+        self.add_term(error);
+        self.add_term(product);
+    }
+
+    /// Leaves the same number in the fewest terms.
+    fn renormalise(&mut self) {
+        if self.len < 2 {
+            return;
+        }
         // Downwards, each term takes up what it can of those below; the rests are in order.
-        let mut rests = Self::ZERO;
-        let Some((&last, below)) = self.terms().split_last() else { return rests };
-        let mut sum = last;
-        for &term in below.iter().rev() {
-            let error;
-            (sum, error) = fast_two_sum(sum, term);
-            if error != 0.0 {
-                rests.push(sum);
-                sum = error;
+        let last = self.len - 1;
+        let (mut sum, mut bottom) = (self.terms[last], last);
+        for at in (0..last).rev() {
+            let (upper, rest) = fast_two_sum(sum, self.terms[at]);
+            sum = upper;
+            if rest != 0.0 {
+                (self.terms[bottom], sum) = (upper, rest);
+                bottom -= 1;
             }
         }
-        rests.push(sum);
+        self.terms[bottom] = sum;
         // Upwards, what was left is taken up from below.
-        let mut out = Self::ZERO;
-        let Some((&least, above)) = rests.terms().split_last() else { return out };
-        let mut sum = least;
-        for &term in above.iter().rev() {
-            let error;
-            (sum, error) = fast_two_sum(term, sum);
-            out.push(error);
+        self.len = 0;
+        for at in bottom + 1..=last {
+            let (upper, rest) = fast_two_sum(self.terms[at], sum);
+            self.push(rest);
+            sum = upper;
         }
-        out.push(sum);
-        out
+        self.push(sum);
     }
 
     /// The number and `other` added.
-    pub(super) fn plus(&self, other: &Self) -> Self {
-        let mut out = *self;
-        other.terms().iter().for_each(|&term| out.add_term(term));
-        out.renormalised()
+    pub(super) fn plus(mut self, other: &Self) -> Self {
+        other.terms().iter().for_each(|&term| self.add_term(term));
+        self.renormalise();
+        self
     }
 
     /// `other` taken away from the number.
-    pub(super) fn minus(&self, other: &Self) -> Self {
-        let mut out = *self;
-        other.terms().iter().for_each(|&term| out.add_term(-term));
-        out.renormalised()
+    pub(super) fn minus(mut self, other: &Self) -> Self {
+        other.terms().iter().for_each(|&term| self.add_term(-term));
+        self.renormalise();
+        self
     }
 
     /// The number times an f64.
     pub(super) fn scaled(&self, factor: f64) -> Self {
         let mut out = Self::ZERO;
-        for &term in self.terms() {
-            let (product, error) = two_product(term, factor);
-            out.add_term(error);
-            out.add_term(product);
-        }
-        out.renormalised()
+        self.terms().iter().for_each(|&term| out.add_product(term, factor));
+        out.renormalise();
+        out
     }
 
-    /// The number times `other`.
-    pub(super) fn times(&self, other: &Self) -> Self {
-        let mut out = Self::ZERO;
-        for &term in other.terms() {
-            out = out.plus(&self.scaled(term));
+    /// The number times `other`, where there is room for it.
+    pub(super) fn times<const MORE: usize>(&self, other: &Self) -> Expansion<MORE> {
+        let mut out = Expansion::ZERO;
+        for &factor in other.terms() {
+            self.terms().iter().for_each(|&term| out.add_product(term, factor));
+            out.renormalise();
         }
         out
     }
@@ -169,19 +177,20 @@ impl Expansion {
 mod tests {
     use super::*;
 
-    fn number(value: f32) -> Expansion {
+    fn number(value: f32) -> Expansion<SIX_FACTORS> {
         Expansion::difference(f64::from(value), 0.0)
     }
 
     #[test]
     fn what_f64_drops_is_kept() {
         let tiny = f64::from(f32::from_bits(1));
-        let sum = Expansion::difference(1.0, -tiny);
+        let sum = Expansion::<SIX_FACTORS>::difference(1.0, -tiny);
         assert_eq!(sum.nearest(), 1.0);
         assert_eq!(sum.minus(&number(1.0)).nearest(), tiny);
         assert_eq!(sum.minus(&sum).sign(), Ordering::Equal);
         // (1 + e)² - 1 - 2e = e²
-        let square = sum.times(&sum).minus(&number(1.0)).minus(&Expansion::difference(tiny, -tiny));
+        let square =
+            sum.times::<SIX_FACTORS>(&sum).minus(&number(1.0)).minus(&Expansion::difference(tiny, -tiny));
         assert_eq!(square.nearest(), tiny * tiny);
     }
 
@@ -193,10 +202,13 @@ mod tests {
         for exponent in (-149..128).step_by(24) {
             wide = wide.plus(&number(2.0_f32.powi(exponent) * 1.999_999));
         }
-        let cube = wide.times(&wide).times(&wide);
-        let sixth = cube.times(&cube);
-        assert!(sixth.len <= LONGEST && sixth.nearest().is_finite());
-        assert_eq!(sixth.minus(&wide.times(&cube).times(&wide).times(&wide)).sign(), Ordering::Equal);
+        let cube: Expansion<SIX_FACTORS> = wide.times::<SIX_FACTORS>(&wide).times(&wide);
+        let sixth: Expansion<SIX_FACTORS> = cube.times(&cube);
+        assert!(cube.len <= THREE_FACTORS / 2 && sixth.len <= SIX_FACTORS / 2);
+        assert!(sixth.nearest().is_finite());
+        let turned: Expansion<SIX_FACTORS> =
+            wide.times::<SIX_FACTORS>(&cube).times::<SIX_FACTORS>(&wide).times(&wide);
+        assert_eq!(sixth.minus(&turned).sign(), Ordering::Equal);
     }
 
     #[test]
