@@ -171,7 +171,8 @@ fn run_adaptive(cases: &[Case], repeats: u32) -> (Vec<Option<Found>>, f64) {
         let mut nearest: Option<(u32, AdaptiveHit)> = None;
         for (place, triangle) in (0..).zip(triangles) {
             let Some(hit) = triangle.intersect(ray) else { continue };
-            if nearest.is_none_or(|(_, nearest)| hit.order(&nearest, ray.ray()) == Ordering::Less) {
+            let nearer = |(_, nearest): &(u32, AdaptiveHit)| hit.order(nearest, ray.ray()) == Ordering::Less;
+            if nearest.as_ref().is_none_or(nearer) {
                 nearest = Some((place, hit));
             }
         }

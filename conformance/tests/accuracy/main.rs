@@ -199,7 +199,7 @@ fn distances_stay_in_their_bounds() {
 
 /// The exact judge says what Python's fractions say, by another method.
 fn judge_agrees_with_fractions(cases: u64) {
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/accuracy/fractions.py");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/accuracy/exact_rays.py");
     let mut python = Command::new("python3")
         .arg(script)
         .stdin(Stdio::piped())

@@ -24,11 +24,11 @@ const UNIT: f64 = f64::EPSILON / 2.0;
 /// * Without area, or with the ray in the plane: a miss, since they have no one point in common.
 /// * NaN and infinity: a miss.
 ///
-/// **Error of the words.** u = 2⁻⁵³. The edges are off by u of themselves if a difference is not exact, as it is
-/// for coordinates within 29 bits. A component of the normal, the difference of two products with
+/// **Error of the words.** u = 2⁻⁵³. The edges are off by u of themselves if a difference is not
+/// exact, as it is for coordinates within 29 bits. A component of the normal, the difference of two products with
 /// their rounding errors added, is off by ν n, where n is the largest component,
-/// ν = 3u + σ M / n, M is the largest sum of two such products without their signs, and σ = 4u², or 4u
-/// with inexact edges. Quotients of the plane, which are at most 1, are off by 2ν/(1 - ν) + u,
+/// ν = 3u + σ M / n, M is the largest sum of two such products without their signs, and σ = 4u²,
+/// or 4u with inexact edges. Quotients of the plane, which are at most 1, are off by 2ν/(1 - ν) + u,
 /// weights by ν/(1 - ν) + 3u of themselves: both by ε = 2.5ν + 2u at most, if ν ≤ 1/16; otherwise
 /// nothing is certain.
 ///
@@ -36,8 +36,9 @@ const UNIT: f64 = f64::EPSILON / 2.0;
 /// r = 1/across and ρ = D r: `across` is off by 3.3 ε D (three roundings, γ(3) · 3 D ≤ ε D, and two
 /// words), the distance to the plane by 3.3 ε S, so that t, if 3.3 ε ρ ≤ 1/4, is off by
 /// 4/3 · 3.3 ε R r + 3u |t| ≤ 6 ε R r (ρ ≥ 1/3, since |across| ≤ 3 D). A coordinate of the point
-/// is off by (5.1 ρ + 0.5) ε R, a weight by 21 L ε ρ R, where L is the largest word of the weights, and the
-/// third weight by the sum of both: all by 64 L ε ρ R, which includes the roundings of the bound itself.
+/// is off by (5.1 ρ + 0.5) ε R, a weight by 21 L ε ρ R, where L is the largest word of the weights,
+/// and the third weight by the sum of both: all by 64 L ε ρ R, which includes the roundings of the
+/// bound itself.
 /// Where 3.3 ε ρ > 1/4, this bound exceeds 4 L R, which no weight does: so nothing is then certain.
 /// f64 neither overflows nor underflows where it matters: a bound that is NaN or infinite is no
 /// certainty, and L R is no less than 1/4 where there is an area.
@@ -188,7 +189,7 @@ impl AdaptiveTriangle {
     }
 
     /// Whether `ray` hits the triangle within its range, exactly (IS-1, IS-2).
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn intersect(&self, ray: &AdaptiveRay) -> Option<AdaptiveHit<'_>> {
         let found = self.estimate(ray);
@@ -205,7 +206,7 @@ impl AdaptiveTriangle {
     /// The hit at a point that is within the triangle, if it is within the range. Its distance is
     /// known to half a unit in the last place of an f32, so that, rounded, it is off by less than
     /// one: traversal cuts off by it what lies behind (KD-4).
-    #[inline]
+    #[inline(always)]
     fn in_range(&self, ray: &AdaptiveRay, found: &Estimate) -> Option<AdaptiveHit<'_>> {
         let Estimate { t, u, v, distance_error: error, .. } = *found;
         let (t_min, t_max) = (f64::from(ray.ray.t_min), f64::from(ray.ray.t_max));
@@ -220,6 +221,7 @@ impl AdaptiveTriangle {
 
     /// Without rounding, but for that of the numbers in the end.
     #[cold]
+    #[inline(never)]
     fn intersect_exactly(&self, ray: &Ray) -> Option<AdaptiveHit<'_>> {
         let volumes = Volumes::new(ray, &self.corners)?;
         if !volumes.are_inside() {
@@ -244,7 +246,7 @@ impl AdaptiveTriangle {
 
 impl AdaptiveHit<'_> {
     /// Which of two hits of `ray` is nearer, exactly.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn order(&self, other: &AdaptiveHit, ray: &Ray) -> Ordering {
         if (self.t - other.t).abs() > self.t_error + other.t_error + UNIT * (self.t.abs() + other.t.abs()) {
@@ -255,6 +257,7 @@ impl AdaptiveHit<'_> {
     }
 
     #[cold]
+    #[inline(never)]
     fn order_exactly(&self, other: &AdaptiveHit, ray: &Ray) -> Ordering {
         let volumes = Volumes::new(ray, self.corners).zip(Volumes::new(ray, other.corners));
         let Some((a, b)) = volumes else { return Ordering::Equal };

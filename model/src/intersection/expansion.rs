@@ -3,8 +3,8 @@
 //! An expansion is the sum of its terms, which do not overlap: each is at most half of the last
 //! bit of the next larger one. So a number that is a multiple of 2^a and less than 2^b has at most
 //! (b - a) / 53 + 1 terms. All numbers here come from f32 by at most six multiplications: they are
-//! multiples of 2⁻⁸⁹⁴ = (2⁻¹⁴⁹)⁶ and less than 2⁷⁹⁰ (three factors: of 2⁻⁴⁴⁷, less than 2³⁹⁰), so that nothing overflows or underflows, nor
-//! does the error of any operation.
+//! multiples of 2⁻⁸⁹⁴ = (2⁻¹⁴⁹)⁶ and less than 2⁷⁹⁰ (of three factors: multiples of 2⁻⁴⁴⁷ and less
+//! than 2³⁹⁰), so that nothing overflows or underflows, nor does the error of any operation.
 
 use std::cmp::Ordering;
 

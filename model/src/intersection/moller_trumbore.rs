@@ -15,10 +15,10 @@ use glam::Vec3;
 ///   are NaN, infinite or noise; noise may be a false hit.
 /// * NaN: a miss. Infinity makes NaN of infinity times zero, or a weight beyond 1.
 ///
-/// Error: a difference of edges takes one rounding, each component of a cross product three, a dot
-/// product with it three more, the reciprocal and its product two. With u the roundoff, a
-/// numerator N of t, u, v, made of two vectors that are differences, is off by γ(8) |N|₊, where |N|₊ is the sum
-/// of its products without their signs, the divisor D by γ(8) |D|₊, and their quotient by
+/// Error: a difference of edges takes one rounding, a component of a cross product three, a dot
+/// product with it three more, the reciprocal and its product two. With u the roundoff, a numerator
+/// N of t, u, v, made of two vectors that are differences, is off by γ(8) |N|₊, where |N|₊ is the
+/// sum of its products without their signs, the divisor D by γ(8) |D|₊, and their quotient by
 /// (γ(8) |N|₊ + |N/D| γ(8) |D|₊) / (|D| - γ(8) |D|₊) + γ(2) |N/D|: without bound where the ray
 /// grazes the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -17,10 +17,11 @@ use glam::Vec3;
 ///   be a false hit.
 /// * NaN, or an infinite sum, as by overflow: a miss.
 ///
-/// Error, with u the roundoff and |·|₊ the sum of the products without their signs: a side is off by γ(8) of
-/// its |·|₊ (two roundings in each of the two differences' difference and sum, three in the cross
-/// product, three in the dot product), the sum by these errors and γ(2) of the sides, the height by γ(8)
-/// of its |·|₊; quotients as in [`EdgeTriangle`](super::EdgeTriangle).
+/// Error, with u the roundoff and |·|₊ the sum of the products without their signs: a side is off by
+/// γ(10) of its |·|₊ (two roundings in each coordinate of an edge and of a sum of corners, three in
+/// the cross product, three in the dot product), their sum by these errors and γ(2) of the sides,
+/// the height and its divisor by γ(10) of their |·|₊; quotients as in
+/// [`EdgeTriangle`](super::EdgeTriangle).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PluckerTriangle<R = f32> {
     corners: [Triple<R>; 3],

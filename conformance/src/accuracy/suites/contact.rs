@@ -98,8 +98,8 @@ pub(super) const ZERO_AREA: Suite = Suite {
     },
 };
 
-/// A wall of squares of size 1, each of two triangles, in a plane of the grid, and rays within planes of the grid
-/// across it or through the points of the grid: where a kd-tree splits, and cells meet.
+/// A wall of squares of size 1, each of two triangles, in a plane of the grid, and rays within planes
+/// of the grid across it or through the points of the grid: where a kd-tree splits, and cells meet.
 pub(super) const SPLIT_PLANES: Suite = Suite {
     name: "split-planes",
     idea: "rays in split planes and through corners of cells",
