@@ -7,6 +7,7 @@ use crate::walk::{PacketSize, TraceOptions};
 use crate::world::{World, WorldOptions};
 use anyhow::{Context, Result};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use saarcor_kit::vm::config::{Choices, HASHES, POLICIES, name_of, named};
 use saarcor_model::chip_config::{CHIP_CACHE_WAYS, ChipConfig, UNIT_NAMES, Version};
 use saarcor_model::geometry::Geometry;
 use saarcor_model::hash::Hash;
@@ -22,12 +23,6 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
-/// Values of an argument by their names.
-pub type Choices<T> = &'static [(&'static str, T)];
-
-const HASHES: Choices<Hash> =
-    &[("low", Hash::Low), ("add-upper", Hash::AddUpper), ("add-upper-all", Hash::AddUpperAll)];
-const POLICIES: Choices<Policy> = &[("lru", Policy::Lru), ("fifo", Policy::Fifo), ("plru", Policy::Plru)];
 /// The triangle tests by their names.
 pub const KERNELS: Choices<Kernel> = &[
     ("moller-trumbore", Kernel::MollerTrumbore),
@@ -57,27 +52,10 @@ pub fn choice<T: Copy + Send + Sync>(choices: Choices<T>) -> impl TypedValuePars
     })
 }
 
-/// The name of one of `choices`.
-///
-/// # Panics
-/// If it has none.
-pub fn name_of<T: PartialEq>(choices: Choices<T>, value: &T) -> &'static str {
-    choices.iter().find(|(_, choice)| choice == value).expect("every value has its name").0
-}
-
 /// The name of a triangle test.
 #[must_use]
 pub fn kernel_name(kernel: Kernel) -> &'static str {
     name_of(KERNELS, &kernel)
-}
-
-/// The one of `choices` that is so named.
-fn named<T: Copy>(choices: Choices<T>, name: &str) -> Result<T, String> {
-    let found = choices.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
-    found.ok_or_else(|| {
-        let names: Vec<_> = choices.iter().map(|(name, _)| *name).collect();
-        format!("write one of {}", names.join(", "))
-    })
 }
 
 /// A size in bytes: `128`, `64KiB`, `8MiB`, `1GiB`.

@@ -4,7 +4,7 @@ use crate::embree::Absent;
 use crate::output::{ClosedPipe, Stdout};
 use crate::progress::Progress;
 use crate::verbs::{
-    accuracy, crosscheck, metadata, prove, render, reproduce, scenes, simulate, sweep, trace, walk,
+    accuracy, conform, crosscheck, metadata, prove, render, reproduce, scenes, simulate, sweep, trace, walk,
 };
 use anyhow::{Context, Result};
 use clap::error::ErrorKind;
@@ -68,6 +68,7 @@ enum Verb {
     Prove(prove::Args),
     Crosscheck(crosscheck::Args),
     Accuracy(accuracy::Args),
+    Conform(conform::Args),
     Reproduce(reproduce::Args),
 }
 
@@ -113,6 +114,7 @@ impl Cli {
                 Verb::Prove(args) => return args.run(&progress),
                 Verb::Crosscheck(args) => return args.run(&progress),
                 Verb::Accuracy(args) => args.run(&progress),
+                Verb::Conform(args) => return args.run(&progress),
                 Verb::Reproduce(args) => args.run(&progress),
             }
             .map(|()| Status::Holds)

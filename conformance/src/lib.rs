@@ -19,6 +19,7 @@
 //! | [`crosscheck`] | the model, the exact judge and Embree, ray by ray |
 //! | [`embree`] | runs Embree |
 //! | [`accuracy`] | triangle tests and number formats: speed against error |
+//! | [`conform`] | what a conformance run found, for a person |
 //! | [`metadata`] | the metadata law beside the paper's examples |
 //! | [`summary`] | what a scene needs, and the bytes of its image |
 //! | [`reproduce`] | the paper's figures, ours beside theirs |
@@ -28,6 +29,7 @@
 pub mod accuracy;
 pub mod args;
 pub mod cli;
+pub mod conform;
 pub mod crosscheck;
 pub mod curve;
 pub mod embree;

@@ -1,7 +1,7 @@
 //! Kernels in number formats: what they find, and how long they take.
 
 use super::case::{Case, Found};
-use crate::args::name_of;
+use saarcor_kit::vm::config::name_of;
 use saarcor_model::intersection::{
     AdaptiveHit, AdaptiveRay, AdaptiveTriangle, Bf16, Candidate, EdgeTriangle, F16, F24, Kernel, Number,
     PluckerTriangle, ProjectedTriangle, TriangleTest, WatertightTriangle,

@@ -6,7 +6,7 @@ use crate::metadata;
 use crate::table::{Table, escaped};
 use std::fmt::Write as _;
 
-const STYLE: &str = include_str!("page.css");
+const STYLE: &str = include_str!("../page.css");
 
 /// Why ours differ from the paper's.
 pub const DIFFERENCES: &[(&str, &str)] = &[

@@ -1,0 +1,293 @@
+//! An implementation as a child process: written to and read from at once, within a time limit, in
+//! bounded memory, and gone afterwards with all that it started.
+
+use crate::dut::{Dut, Ending, Timeout};
+use crate::judge::{Judge, Stage};
+use crate::session::Session;
+use anyhow::{Context, Result};
+use memchr::memchr;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
+use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
+use std::io::{ErrorKind, Read, Write};
+use std::os::fd::AsFd;
+use std::os::unix::process::CommandExt as _;
+use std::path::PathBuf;
+use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Bytes that are read and written at a time: what a pipe holds.
+const BUFFER: usize = 1 << 16;
+/// Longest answer: twice the longest line in hex digits.
+const MAX_ANSWER: usize = 4 * crate::MAX_LINE_BYTES;
+/// Bytes of standard error that are kept: its end.
+const STDERR_KEPT: usize = 4096;
+/// Time between two looks at a process that is about to exit.
+const EXIT_POLL: Duration = Duration::from_millis(1);
+
+/// A command line that is started once for each session.
+#[derive(Clone, Debug)]
+pub struct Process {
+    /// The command line, for a shell.
+    pub command: String,
+    /// The folder that it is started in; none for the present one.
+    pub folder: Option<PathBuf>,
+    /// Time that a session may take.
+    pub time_limit: Duration,
+}
+
+impl Dut for Process {
+    fn converse(&self, session: &Session, judge: &mut Judge<'_>) -> Result<Ending> {
+        let mut running = Running::start(self)?;
+        let timeout = running.hold(session.text(), judge, self.time_limit);
+        running.kill();
+        running.read_stderr();
+        Ok(Ending { timeout, stderr: String::from_utf8_lossy(&running.stderr_tail).into_owned() })
+    }
+}
+
+/// The command for a shell, in a process group of its own.
+pub(crate) fn shell(command: &str, folder: Option<&PathBuf>) -> Command {
+    let mut shell = Command::new("sh");
+    shell.args(["-c", command]).process_group(0);
+    if let Some(folder) = folder {
+        shell.current_dir(folder);
+    }
+    shell
+}
+
+/// Kills a process with all of its group, and takes its end.
+pub(crate) fn kill_group(child: &mut Child) {
+    // Both fail only where there is nothing left to kill.
+    let _ = kill_process_group(Pid::from_child(child), Signal::KILL);
+    let _ = child.wait();
+}
+
+/// Lets this process inherit what implementations leave behind, so that [`kill_strays`] finds it.
+pub fn adopt_strays() {
+    #[cfg(target_os = "linux")]
+    // Where it fails, strays are the system's, as they are elsewhere.
+    let _ = rustix::process::set_child_subreaper(Some(rustix::process::getpid()));
+}
+
+/// Kills all processes that this one has inherited. For the end of a run: what else this process
+/// has started is killed too.
+pub fn kill_strays() {
+    #[cfg(target_os = "linux")]
+    while let Some(stray) = children().first() {
+        let _ = rustix::process::kill_process(*stray, Signal::KILL);
+        let _ = rustix::process::waitpid(Some(*stray), rustix::process::WaitOptions::empty());
+    }
+}
+
+/// The children of this process.
+#[cfg(target_os = "linux")]
+fn children() -> Vec<Pid> {
+    let parent = |stat: &str| stat.rsplit(')').next()?.split_ascii_whitespace().nth(1)?.parse::<i32>().ok();
+    let mine = rustix::process::getpid().as_raw_nonzero().get();
+    let processes = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+    let numbers = processes.filter_map(|entry| entry.file_name().to_str()?.parse::<i32>().ok());
+    let children = numbers.filter(|number| {
+        let stat = std::fs::read_to_string(format!("/proc/{number}/stat"));
+        stat.is_ok_and(|stat| parent(&stat) == Some(mine))
+    });
+    children.filter_map(Pid::from_raw).collect()
+}
+
+/// A process with its pipes. However it is dropped, its group is killed.
+struct Running {
+    child: Child,
+    stdin: Option<ChildStdin>,
+    stdout: ChildStdout,
+    stderr: Option<ChildStderr>,
+    /// What came after the last newline, in front.
+    answers: Vec<u8>,
+    pending: usize,
+    stderr_tail: Vec<u8>,
+}
+
+/// What a look at standard output gave.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Looked {
+    Nothing,
+    Answers,
+    EndOfFile,
+}
+
+impl Running {
+    fn start(process: &Process) -> Result<Self> {
+        let mut command = shell(&process.command, process.folder.as_ref());
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().with_context(|| format!("'{}' cannot be started", process.command))?;
+        let (stdin, stdout, stderr) = (child.stdin.take(), child.stdout.take(), child.stderr.take());
+        let stdout = stdout.context("standard output of the implementation")?;
+        let running =
+            Self { child, stdin, stdout, stderr, answers: vec![0; BUFFER], pending: 0, stderr_tail: Vec::new() };
+        nonblocking(&running.stdout)?;
+        running.stdin.as_ref().map_or(Ok(()), nonblocking)?;
+        running.stderr.as_ref().map_or(Ok(()), nonblocking)?;
+        Ok(running)
+    }
+
+    /// Holds the conversation until the judge has all, or nothing more can come.
+    fn hold(&mut self, text: &[u8], judge: &mut Judge<'_>, limit: Duration) -> Option<Timeout> {
+        let began = Instant::now();
+        let mut last_answer = began;
+        let mut sent = 0;
+        while !matches!(judge.stage(), Stage::Broken | Stage::Unsupported) {
+            let left = limit.saturating_sub(began.elapsed());
+            if left.is_zero() {
+                let silent = last_answer.elapsed() > limit / 2;
+                return Some(if silent { self.hung(judge, limit) } else { Timeout::Slow });
+            }
+            self.wait(left);
+            match self.read_answers(judge, sent) {
+                Looked::Answers => last_answer = Instant::now(),
+                Looked::Nothing => {}
+                Looked::EndOfFile => return self.ended(judge, began + limit),
+            }
+            self.read_stderr();
+            sent += self.write(&text[sent..]);
+        }
+        None
+    }
+
+    fn hung(&self, judge: &mut Judge<'_>, limit: Duration) -> Timeout {
+        let limit = limit.as_secs_f64();
+        if judge.stage() == Stage::Ended {
+            judge.misbehaves("P-6", &format!("does not end within the time limit of {limit} s after 'end'"));
+        } else {
+            judge.silent("P-8", &format!("no answer within the time limit of {limit} s"));
+        }
+        Timeout::Hung
+    }
+
+    /// Waits until something can be read or written.
+    fn wait(&self, left: Duration) {
+        let mut fds = vec![PollFd::new(&self.stdout, PollFlags::IN)];
+        fds.extend(self.stderr.as_ref().map(|stderr| PollFd::new(stderr, PollFlags::IN)));
+        fds.extend(self.stdin.as_ref().map(|stdin| PollFd::new(stdin, PollFlags::OUT)));
+        let left = Timespec { tv_sec: left.as_secs() as i64, tv_nsec: i64::from(left.subsec_nanos()) };
+        // Where it fails, the next look at the clock decides.
+        let _ = poll(&mut fds, Some(&left));
+    }
+
+    /// Hands whole lines to the judge; a look takes what one read gives.
+    fn read_answers(&mut self, judge: &mut Judge<'_>, sent: usize) -> Looked {
+        if self.pending == self.answers.len() {
+            if self.answers.len() >= MAX_ANSWER {
+                let says = format!("an answer of more than {MAX_ANSWER} bytes without a newline");
+                judge.silent("P-5", &says);
+                return Looked::Answers;
+            }
+            self.answers.resize(2 * self.answers.len(), 0);
+        }
+        let read = match self.stdout.read(&mut self.answers[self.pending..]) {
+            Ok(0) => return Looked::EndOfFile,
+            Ok(read) => read,
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {
+                return Looked::Nothing;
+            }
+            Err(_) => return Looked::EndOfFile,
+        };
+        let end = self.pending + read;
+        let mut begin = 0;
+        while let Some(length) = memchr(b'\n', &self.answers[begin..end]) {
+            judge.answer(&self.answers[begin..begin + length], sent);
+            begin += length + 1;
+            if matches!(judge.stage(), Stage::Broken | Stage::Unsupported) {
+                break;
+            }
+        }
+        self.answers.copy_within(begin..end, 0);
+        self.pending = end - begin;
+        if begin > 0 { Looked::Answers } else { Looked::Nothing }
+    }
+
+    /// Takes a part of standard error, and keeps its end.
+    fn read_stderr(&mut self) {
+        let Some(stderr) = &mut self.stderr else { return };
+        let mut bytes = [0; STDERR_KEPT];
+        match stderr.read(&mut bytes) {
+            Ok(0) => self.stderr = None,
+            Ok(read) => {
+                self.stderr_tail.extend_from_slice(&bytes[..read]);
+                let before = self.stderr_tail.len().saturating_sub(STDERR_KEPT);
+                self.stderr_tail.drain(..before);
+            }
+            Err(_) => {}
+        }
+    }
+
+    /// Sends what fits into the pipe, and closes it after the last byte; says how much was sent.
+    fn write(&mut self, rest: &[u8]) -> usize {
+        let Some(stdin) = &mut self.stdin else { return 0 };
+        let sent = match stdin.write(&rest[..rest.len().min(BUFFER)]) {
+            Ok(sent) => sent,
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => return 0,
+            // It reads no more. Whether it should have, its answers tell.
+            Err(_) => {
+                self.stdin = None;
+                return 0;
+            }
+        };
+        if sent == rest.len() {
+            self.stdin = None;
+        }
+        sent
+    }
+
+    /// Standard output has ended: says so where answers lack, else waits for the exit.
+    fn ended(&mut self, judge: &mut Judge<'_>, deadline: Instant) -> Option<Timeout> {
+        let mut exit = self.exit();
+        while exit.is_none() && Instant::now() < deadline {
+            std::thread::sleep(EXIT_POLL);
+            self.read_stderr();
+            exit = self.exit();
+        }
+        let how = exit.as_deref().unwrap_or("closed its output");
+        if judge.stage() != Stage::Ended {
+            let more = if self.pending > 0 { ", in the middle of an answer" } else { "" };
+            judge.silent("P-7", &format!("the implementation {how}{more}"));
+        } else if self.pending > 0 {
+            judge.misbehaves("P-4", "output after the answer to 'end'");
+        } else if exit.is_none() {
+            judge.misbehaves("P-6", "does not end within the time limit after 'end'");
+            return Some(Timeout::Hung);
+        } else if how != SUCCESS {
+            judge.misbehaves("P-6", &format!("the implementation {how} after 'end'"));
+        }
+        None
+    }
+
+    /// How the process has ended, if it has. It stays a zombie, so that its group's number is not
+    /// given to another.
+    fn exit(&self) -> Option<String> {
+        let options = WaitIdOptions::EXITED | WaitIdOptions::NOWAIT | WaitIdOptions::NOHANG;
+        let status = waitid(WaitId::Pid(Pid::from_child(&self.child)), options).ok()??;
+        Some(match (status.exit_status(), status.terminating_signal()) {
+            (Some(0), _) => SUCCESS.to_owned(),
+            (Some(status), _) => format!("ended with status {status}"),
+            (None, Some(signal)) => format!("was ended by signal {signal}"),
+            (None, None) => "ended".to_owned(),
+        })
+    }
+
+    /// Kills the process with all of its group, and takes its end.
+    fn kill(&mut self) {
+        kill_group(&mut self.child);
+    }
+}
+
+const SUCCESS: &str = "ended with status 0";
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.kill();
+    }
+}
+
+fn nonblocking(fd: &impl AsFd) -> Result<()> {
+    let flags = fcntl_getfl(fd).context("pipe to the implementation")?;
+    fcntl_setfl(fd, flags | OFlags::NONBLOCK).context("pipe to the implementation")
+}

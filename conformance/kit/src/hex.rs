@@ -1,0 +1,87 @@
+//! Numbers and bytes in hex, without prefix, read and written without allocation.
+
+const DIGITS: &[u8; 16] = b"0123456789abcdef";
+
+/// The number that 1 to 16 hex digits of either case stand for.
+#[inline]
+#[must_use]
+pub fn number(word: &[u8]) -> Option<u64> {
+    if word.is_empty() || word.len() > 16 {
+        return None;
+    }
+    word.iter().try_fold(0, |number, &digit| Some(number << 4 | u64::from(value(digit)?)))
+}
+
+/// Appends a number, without leading zeros.
+#[inline]
+pub fn push_number(out: &mut Vec<u8>, number: u64) {
+    let digits = (64 - number.leading_zeros()).div_ceil(4).max(1);
+    for place in (0..digits).rev() {
+        out.push(DIGITS[(number >> (4 * place) & 0xf) as usize]);
+    }
+}
+
+/// Appends bytes, two digits each.
+#[inline]
+pub fn push_bytes(out: &mut Vec<u8>, bytes: &[u8]) {
+    for byte in bytes {
+        out.extend_from_slice(&[DIGITS[usize::from(byte >> 4)], DIGITS[usize::from(byte & 0xf)]]);
+    }
+}
+
+/// The bytes of pairs of hex digits of either case; none where it is something else.
+#[must_use]
+pub fn bytes(word: &[u8]) -> Option<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(word.len() / 2);
+    extend_bytes(&mut bytes, word).then_some(bytes)
+}
+
+/// Appends the bytes of pairs of hex digits; false where it is something else.
+#[inline]
+pub fn extend_bytes(bytes: &mut Vec<u8>, word: &[u8]) -> bool {
+    let (pairs, rest) = word.as_chunks::<2>();
+    for &[high, low] in pairs {
+        let (Some(high), Some(low)) = (value(high), value(low)) else { return false };
+        bytes.push(high << 4 | low);
+    }
+    rest.is_empty()
+}
+
+#[inline]
+fn value(digit: u8) -> Option<u8> {
+    match digit {
+        b'0'..=b'9' => Some(digit - b'0'),
+        b'a'..=b'f' => Some(digit - b'a' + 10),
+        b'A'..=b'F' => Some(digit - b'A' + 10),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_back() {
+        for n in [0, 1, 0xf, 0x10, 0xdead_beef, u64::MAX] {
+            let mut text = Vec::new();
+            push_number(&mut text, n);
+            assert_eq!(String::from_utf8_lossy(&text), format!("{n:x}"));
+            assert_eq!(number(&text), Some(n));
+        }
+        assert_eq!(number(b"00Ff"), Some(0xff));
+        for text in ["", "g", "0x1", "-1", " 1", "11111111111111111"] {
+            assert_eq!(number(text.as_bytes()), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn bytes_read_back() {
+        let mut text = Vec::new();
+        push_bytes(&mut text, &[0, 0x7f, 0xff]);
+        assert_eq!(text, b"007fff");
+        assert_eq!(bytes(&text), Some(vec![0, 0x7f, 0xff]));
+        assert_eq!(bytes(b"aB"), Some(vec![0xab]));
+        assert_eq!((bytes(b"a"), bytes(b"zz")), (None, None));
+    }
+}

@@ -1,0 +1,235 @@
+//! The judge of one conversation: takes the answers in their order and says how they differ.
+
+use crate::kind::{Comparison, Kind};
+use crate::level::Level;
+use crate::session::Session;
+use serde::Serialize;
+
+/// The first difference of a session at a level.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Finding {
+    /// The level that it breaks.
+    pub level: Level,
+    /// The requirement that it breaks by all that is known of the session.
+    pub requirement: &'static str,
+    /// Number of the request, from 0 on; none before the first and after the last.
+    pub request: Option<usize>,
+    /// What was asked for.
+    pub asked: String,
+    /// The model's answer.
+    pub expected: String,
+    /// The implementation's.
+    pub got: String,
+    /// What differs, in a sentence.
+    pub says: String,
+}
+
+/// How a conversation stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// The hello is to be answered.
+    Hello,
+    /// The configuration is.
+    Config,
+    /// A request is, or the end.
+    Requests,
+    /// All was answered.
+    Ended,
+    /// The implementation does not support the configuration.
+    Unsupported,
+    /// An answer is not in the form of the protocol: what follows cannot be told.
+    Broken,
+}
+
+/// Judges the answers of one session.
+pub struct Judge<'a> {
+    kind: &'a dyn Kind,
+    session: &'a Session,
+    comparison: Option<Box<dyn Comparison + 'a>>,
+    stage: Stage,
+    /// Place in the session's text behind the last request that was answered.
+    at: usize,
+    answered: usize,
+    findings: Vec<Finding>,
+    unsupported: Option<String>,
+    /// Nothing above is judged.
+    highest: Level,
+}
+
+impl<'a> Judge<'a> {
+    /// The judge of a session up to the level `highest`.
+    #[must_use]
+    pub fn new(kind: &'a dyn Kind, session: &'a Session, highest: Level) -> Self {
+        Self {
+            kind,
+            session,
+            comparison: None,
+            stage: Stage::Hello,
+            at: 0,
+            answered: 0,
+            findings: Vec::new(),
+            unsupported: None,
+            highest,
+        }
+    }
+
+    /// How the conversation stands.
+    #[inline]
+    #[must_use]
+    pub fn stage(&self) -> Stage {
+        self.stage
+    }
+
+    /// Whether no further answer is waited for.
+    #[inline]
+    #[must_use]
+    pub fn is_done(&self) -> bool {
+        matches!(self.stage, Stage::Ended | Stage::Unsupported | Stage::Broken)
+    }
+
+    /// Requests that were answered.
+    #[must_use]
+    pub fn answered(&self) -> usize {
+        self.answered
+    }
+
+    /// The first difference at each level, in the order in which they were found.
+    #[must_use]
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+
+    /// The key that the implementation does not support.
+    #[must_use]
+    pub fn unsupported(&self) -> Option<&str> {
+        self.unsupported.as_deref()
+    }
+
+    /// Whether a level can be judged by what the implementation observes; not known before it has
+    /// said so.
+    #[must_use]
+    pub fn observed(&self, level: Level) -> bool {
+        level == Level::Protocol || self.comparison.as_ref().is_some_and(|comparison| comparison.observed(level))
+    }
+
+    /// Judges the next answer, a line without its newline, given how much of the session's text had
+    /// been sent when it came.
+    #[inline]
+    pub fn answer(&mut self, line: &[u8], sent: usize) {
+        let line = line.strip_suffix(b"\r").unwrap_or(line);
+        let Some((request, next)) = self.session.request_at(self.at) else {
+            return self.broken("P-4", "nothing", line, "an answer after 'end'");
+        };
+        if next > sent {
+            return self.broken("P-4", "no answer yet", line, "an answer before its request was sent");
+        }
+        match self.stage {
+            Stage::Requests if next < self.session.text().len() => self.request(request, line),
+            Stage::Requests if line == b"end" => self.stage = Stage::Ended,
+            Stage::Requests => self.broken("P-6", "end", line, "'end' is answered by 'end'"),
+            Stage::Hello => self.hello(line),
+            Stage::Config => self.config(line),
+            Stage::Ended | Stage::Unsupported | Stage::Broken => {
+                self.broken("P-4", "nothing", line, "an answer after the last one");
+            }
+        }
+        self.at = next;
+    }
+
+    /// Says why no answer came to what is asked next.
+    pub fn silent(&mut self, requirement: &'static str, says: &str) {
+        self.broken(requirement, "an answer", b"", says);
+    }
+
+    /// Says what is wrong after all was answered, or whatever was answered.
+    pub fn misbehaves(&mut self, requirement: &'static str, says: &str) {
+        self.at = self.session.text().len();
+        self.broken(requirement, "", b"", says);
+    }
+
+    #[inline]
+    fn request(&mut self, request: &[u8], line: &[u8]) {
+        let Some(comparison) = &mut self.comparison else { return };
+        let mut found = None;
+        let (findings, highest) = (&self.findings, self.highest);
+        let compared = comparison.compare(request, line, &mut |difference| {
+            let known = findings.iter().any(|finding| finding.level == difference.level);
+            if !known && difference.level <= highest {
+                found.get_or_insert_with(Vec::new).push(difference);
+            }
+        });
+        if let Err(right) = compared {
+            let expected = String::from_utf8_lossy(comparison.expected()).into_owned();
+            return self.broken("P-5", &expected, line, &right);
+        }
+        if let Some(found) = found {
+            let expected = shown(comparison.expected());
+            for difference in found {
+                self.findings.push(Finding {
+                    level: difference.level,
+                    requirement: difference.requirement,
+                    request: Some(self.answered),
+                    asked: shown(request),
+                    expected: expected.clone(),
+                    got: shown(line),
+                    says: difference.says,
+                });
+            }
+        }
+        self.answered += 1;
+    }
+
+    fn hello(&mut self, line: &[u8]) {
+        if line == self.session.hello().as_bytes() {
+            self.stage = Stage::Config;
+        } else {
+            self.broken("P-1", self.session.hello(), line, "a hello is answered by the same line");
+        }
+    }
+
+    fn config(&mut self, line: &[u8]) {
+        let text = String::from_utf8_lossy(line);
+        if let Some(key) = text.strip_prefix("unsupported ") {
+            self.unsupported = Some(key.to_owned());
+            self.stage = Stage::Unsupported;
+            return;
+        }
+        let observes = text.strip_prefix("ok observes=").ok_or_else(|| {
+            "a configuration is answered by 'ok observes=LIST' or 'unsupported KEY'".to_owned()
+        });
+        match observes.and_then(|observes| self.kind.comparison(self.session, observes)) {
+            Ok(comparison) => {
+                self.comparison = Some(comparison);
+                self.stage = Stage::Requests;
+            }
+            Err(right) => self.broken("P-2", "ok observes=.. or unsupported KEY", line, &right),
+        }
+    }
+
+    fn broken(&mut self, requirement: &'static str, expected: &str, got: &[u8], says: &str) {
+        let asked = self.session.request_at(self.at).map_or("nothing".to_owned(), |(line, _)| shown(line));
+        let in_requests = self.stage == Stage::Requests && asked != "end";
+        self.stage = Stage::Broken;
+        self.findings.push(Finding {
+            level: Level::Protocol,
+            requirement,
+            request: in_requests.then_some(self.answered),
+            asked,
+            expected: expected.to_owned(),
+            got: shown(got),
+            says: says.to_owned(),
+        });
+    }
+}
+
+/// Most characters of a line that are shown.
+const SHOWN: usize = 200;
+
+/// A line for a person: text, and not too much of it.
+fn shown(line: &[u8]) -> String {
+    let cut = &line[..line.len().min(SHOWN)];
+    let text = String::from_utf8_lossy(cut);
+    let text: String =
+        text.chars().map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect();
+    if cut.len() < line.len() { format!("{text}… ({} bytes)", line.len()) } else { text }
+}

@@ -1,0 +1,232 @@
+//! What was found.
+
+use crate::kind::Covered;
+use crate::level::Level;
+use quick_junit::{NonSuccessKind, Report as JunitReport, TestCase, TestCaseStatus, TestSuite};
+use serde::Serialize;
+
+/// Version of the report's form in JSON: raised where a field changes its meaning or goes.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// The whole of a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// [`SCHEMA_VERSION`].
+    pub schema_version: u32,
+    /// The implementation, as it was named.
+    pub dut: String,
+    /// Its kind.
+    pub kind: String,
+    /// What it comes to.
+    pub verdict: Verdict,
+    /// The highest level that was passed, with all below it.
+    pub highest: Option<Level>,
+    /// The level that was asked for.
+    pub asked: Level,
+    /// Each level.
+    pub levels: Vec<LevelVerdict>,
+    /// Each requirement that sessions are about, in the order of the suites; the random ones last.
+    pub requirements: Vec<RequirementVerdict>,
+    /// What fails: for each requirement and level one session, shrunk.
+    pub failures: Vec<Failure>,
+    /// Configurations that the implementation does not support, by the key that it names.
+    pub unsupported: Vec<Unsupported>,
+    /// What the sessions exercise of the model.
+    pub coverage: Vec<Covered>,
+    /// Sessions that were held.
+    pub sessions: usize,
+    /// Sessions that fail.
+    pub errors: usize,
+    /// Requests that were answered.
+    pub requests: u64,
+    /// Requests of the random sessions that were answered.
+    pub random_requests: u64,
+    /// Seconds that the random sessions took together.
+    pub random_seconds: f64,
+    /// Why sessions were left out, if some were.
+    pub stopped: Option<String>,
+}
+
+/// What a run comes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// It conforms at the level that was asked for.
+    Conforms,
+    /// It does not.
+    DoesNotConform,
+    /// That cannot be told.
+    Incomplete,
+}
+
+impl Verdict {
+    /// The verdict in words.
+    #[must_use]
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Conforms => "conforms",
+            Self::DoesNotConform => "does not conform",
+            Self::Incomplete => "incomplete",
+        }
+    }
+}
+
+/// What was found at a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct LevelVerdict {
+    /// The level.
+    pub level: Level,
+    /// The verdict.
+    pub verdict: AtLevel,
+}
+
+/// Verdict at a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AtLevel {
+    /// All sessions agree.
+    Passed,
+    /// Some do not, at this level or below.
+    Failed,
+    /// The implementation does not observe what the level is judged by.
+    NotObserved,
+    /// It was not asked for.
+    NotAsked,
+}
+
+impl AtLevel {
+    /// The verdict in words.
+    #[must_use]
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Passed => "passed",
+            Self::Failed => "failed",
+            Self::NotObserved => "not observed",
+            Self::NotAsked => "not asked for",
+        }
+    }
+}
+
+/// What was found of a requirement.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct RequirementVerdict {
+    /// The requirement; `random` for the sessions that are about all.
+    pub requirement: String,
+    /// Sessions that are about it and were held.
+    pub sessions: usize,
+    /// Of these, those that fail.
+    pub failed: usize,
+}
+
+/// A session that fails, as short as it gets.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Failure {
+    /// The requirement that is broken.
+    pub requirement: String,
+    /// The lowest level that fails.
+    pub level: Level,
+    /// The session that was shrunk.
+    pub session: String,
+    /// The row of [`Report::requirements`] that counts the session.
+    pub row: String,
+    /// Its idea.
+    pub idea: String,
+    /// What differs, in a sentence.
+    pub says: String,
+    /// The shortest session that still fails, line by line.
+    pub minimal: Vec<String>,
+    /// Requests of it.
+    pub minimal_requests: usize,
+    /// Requests of the session that was shrunk, up to the one that fails.
+    pub found_requests: usize,
+    /// The request whose answer is wrong.
+    pub asked: String,
+    /// The model's answer.
+    pub expected: String,
+    /// The implementation's.
+    pub got: String,
+    /// The model's state before that request.
+    pub state_before: Vec<String>,
+    /// The end of what the implementation wrote to standard error.
+    pub stderr: String,
+    /// The command that runs the shortest session again; none until it has been written to a file.
+    pub replay: Option<String>,
+}
+
+/// A session that was not held to its end, as its configuration is not supported.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Unsupported {
+    /// The key.
+    pub key: String,
+    /// Sessions.
+    pub sessions: usize,
+}
+
+impl Report {
+    /// The report as JUnit XML: a suite for each requirement, with a case for its sessions together,
+    /// and one for each failure.
+    ///
+    /// # Errors
+    /// Never, but for a failure of the library that writes it.
+    pub fn junit(&self) -> anyhow::Result<String> {
+        let mut junit = JunitReport::new(format!("saarcor conform {}", self.dut));
+        for row in &self.requirements {
+            let mut suite = TestSuite::new(format!("{}.{}", self.kind, row.requirement));
+            let failures: Vec<_> =
+                self.failures.iter().filter(|failure| failure.row == row.requirement).collect();
+            for failure in &failures {
+                let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
+                status.set_type(failure.level.name()).set_message(&failure.says);
+                status.set_description(failure.text());
+                let mut case = TestCase::new(failure.session.as_str(), status);
+                case.set_classname(format!("{}.{}", self.kind, row.requirement));
+                suite.add_test_case(case);
+            }
+            let rest = row.sessions.saturating_sub(failures.len());
+            if rest > 0 {
+                let failed = row.failed.saturating_sub(failures.len());
+                let status = if failed == 0 {
+                    TestCaseStatus::success()
+                } else {
+                    let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
+                    status.set_type("sessions").set_message(format!("{failed} of {rest} further sessions fail"));
+                    status
+                };
+                let mut case = TestCase::new(format!("{rest} sessions"), status);
+                case.set_classname(format!("{}.{}", self.kind, row.requirement));
+                suite.add_test_case(case);
+            }
+            junit.add_test_suite(suite);
+        }
+        Ok(junit.to_string()?)
+    }
+}
+
+impl Failure {
+    /// The failure for a person, over several lines.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = format!("{} at level {}: {}\n", self.requirement, self.level, self.says);
+        if !self.idea.is_empty() {
+            text += &format!("  idea      {} ({})\n", self.idea, self.session);
+        }
+        text += &format!(
+            "  requests  {} of {}, shrunk from {}\n",
+            self.minimal_requests, self.session, self.found_requests
+        );
+        self.minimal.iter().for_each(|line| text += &format!("    {line}\n"));
+        text += &format!("  asked     {}\n  expected  {}\n  got       {}\n", self.asked, self.expected, self.got);
+        if !self.state_before.is_empty() {
+            text += "  before\n";
+            self.state_before.iter().for_each(|row| text += &format!("    {row}\n"));
+        }
+        if !self.stderr.is_empty() {
+            text += "  stderr ends with\n";
+            self.stderr.lines().for_each(|line| text += &format!("    {line}\n"));
+        }
+        if let Some(replay) = &self.replay {
+            text += &format!("  again     {replay}\n");
+        }
+        text
+    }
+}

@@ -1,0 +1,439 @@
+//! All sessions with one implementation, and the report.
+
+use crate::dut::{Dut, Ending, Timeout};
+use crate::judge::{Finding, Judge};
+use crate::kind::Kind;
+use crate::level::Level;
+use crate::report::{
+    AtLevel, Failure, LevelVerdict, Report, RequirementVerdict, SCHEMA_VERSION, Unsupported, Verdict,
+};
+use crate::session::Session;
+use crate::shrink::shrink;
+use anyhow::{Context, Result, bail};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// Requests of the random part where nothing is said.
+pub const RANDOM_REQUESTS: usize = 2_000_000;
+/// Sessions that fail before a run is stopped, where nothing is said.
+pub const ERRORS: usize = 20;
+/// Least random sessions: each configuration has its turn.
+const RANDOM_SESSIONS: usize = 24;
+/// Most requests of a random session: so many that starting it takes little of its time, and so few
+/// that many fit into memory.
+const SESSION_REQUESTS: usize = 50_000;
+/// Sessions between two looks at the number of errors. It does not depend on the threads, and so
+/// neither does the report.
+const BATCH: usize = 16;
+/// Failures that are shrunk: of each requirement and level the first, and no more than these.
+const SHOWN_FAILURES: usize = 8;
+
+/// What is run.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The highest level that is judged.
+    pub level: Level,
+    /// Sessions that fail before the run is stopped.
+    pub errors: usize,
+    /// First seed of the random sessions.
+    pub seed: u64,
+    /// Requests of all random sessions together.
+    pub requests: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { level: Level::State, errors: ERRORS, seed: 0, requests: RANDOM_REQUESTS }
+    }
+}
+
+/// A session to be held.
+#[derive(Clone, Debug)]
+pub enum Planned {
+    /// This one.
+    Directed(Box<Session>),
+    /// The random one of a seed.
+    Random {
+        /// The seed.
+        seed: u64,
+        /// Its requests.
+        requests: usize,
+    },
+}
+
+/// Row of the report for sessions that are about no requirement.
+const RANDOM: &str = "random";
+
+/// The default suite of a kind: the directed sessions, and random ones.
+///
+/// # Errors
+/// Where a suite of the kit is no session: a fault of the kit.
+pub fn default_suite(kind: &dyn Kind, options: &Options) -> Result<Vec<Planned>> {
+    let mut planned = Vec::new();
+    for (name, text) in kind.suites() {
+        let sessions = Session::parse(name, text).with_context(|| format!("suite {name}"))?;
+        planned.extend(sessions.into_iter().map(|session| Planned::Directed(Box::new(session))));
+    }
+    planned.extend(random_sessions(options.seed, options.requests));
+    Ok(planned)
+}
+
+/// Random sessions from a seed on, of so many requests together.
+pub fn random_sessions(seed: u64, requests: usize) -> impl Iterator<Item = Planned> {
+    let sessions = if requests == 0 { 0 } else { requests.div_ceil(SESSION_REQUESTS).max(RANDOM_SESSIONS) };
+    (0..sessions as u64).map(move |number| Planned::Random {
+        seed: seed.wrapping_add(number),
+        requests: requests.div_ceil(sessions),
+    })
+}
+
+/// Sessions that a name stands for: a suite of the kit or one of its sessions, a random session
+/// (`vm/random/17`), or the path of a suite file.
+///
+/// # Errors
+/// Where there is no such suite or file, or it is no session.
+pub fn sessions_named(name: &str, requests: usize) -> Result<(&'static dyn Kind, Vec<Session>)> {
+    for kind in crate::KINDS {
+        if let Some(rest) = name.strip_prefix(&format!("{}/", kind.prefix())) {
+            if let Some(seed) = rest.strip_prefix("random/").and_then(|seed| seed.parse().ok()) {
+                return Ok((*kind, vec![kind.random(seed, requests)]));
+            }
+            for (suite, text) in kind.suites() {
+                let sessions = Session::parse(suite, text).with_context(|| format!("suite {suite}"))?;
+                if *suite == name {
+                    return Ok((*kind, sessions));
+                }
+                if let Some(session) = sessions.into_iter().find(|session| session.name == name) {
+                    return Ok((*kind, vec![session]));
+                }
+            }
+        }
+    }
+    let text = std::fs::read(name).with_context(|| {
+        format!("{name}: neither a suite ('saarcor conform list' shows all) nor a file that can be read")
+    })?;
+    let text = String::from_utf8(text).ok().with_context(|| format!("{name}: no text"))?;
+    let sessions = Session::parse(name, &text).with_context(|| name.to_owned())?;
+    let hello = sessions.first().map_or("", Session::hello);
+    let Some(kind) = crate::KINDS.iter().find(|kind| kind.hello() == hello) else {
+        let known: Vec<_> = crate::KINDS.iter().map(|kind| kind.hello()).collect();
+        bail!("{name}: the hello '{hello}' is none of {}", known.join(", "));
+    };
+    for session in &sessions {
+        kind.check(session).map_err(|wrong| anyhow::anyhow!("{name}: {wrong}"))?;
+    }
+    Ok((*kind, sessions))
+}
+
+/// What one session gave.
+#[derive(Debug)]
+struct Held {
+    /// Its place in the plan.
+    place: usize,
+    row: String,
+    stderr: String,
+    findings: Vec<Finding>,
+    unsupported: Option<String>,
+    /// Which of the kind's levels could be judged.
+    observed: Vec<Level>,
+    answered: usize,
+    random: bool,
+    seconds: f64,
+    timeout: Option<Timeout>,
+}
+
+/// The kind of an implementation, by the hello that it answers.
+///
+/// # Errors
+/// Where it cannot be started, or answers none; the finding says what came instead.
+pub fn kind_of(dut: &dyn Dut) -> Result<Result<&'static dyn Kind, (Finding, Ending)>> {
+    let mut last = None;
+    for kind in crate::KINDS {
+        let session = Session::new("hello", kind.hello(), "", b"");
+        let mut judge = Judge::new(*kind, &session, Level::Protocol);
+        let ending = dut.converse(&session, &mut judge)?;
+        let refused = judge.findings().first();
+        let Some(finding) = refused.filter(|finding| finding.asked == kind.hello()) else {
+            return Ok(Ok(*kind));
+        };
+        if let Some(named) = crate::KINDS.iter().find(|kind| kind.hello() == finding.got) {
+            return Ok(Ok(*named));
+        }
+        last = Some((finding.clone(), ending));
+    }
+    Ok(Err(last.context("the kit has kinds")?))
+}
+
+/// Holds all sessions, and says what was found. `progress` is told the part that is done.
+///
+/// # Errors
+/// Where the implementation cannot be started.
+pub fn run(
+    name: &str,
+    dut: &dyn Dut,
+    kind: &dyn Kind,
+    planned: &[Planned],
+    options: &Options,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Report> {
+    let done = AtomicUsize::new(0);
+    let hung = AtomicBool::new(false);
+    let mut held: Vec<Held> = Vec::new();
+    let mut stopped = None;
+    let mut random_seconds = 0.0;
+    let places: Vec<usize> = (0..planned.len()).collect();
+    for batch in places.chunks(BATCH) {
+        let started = Instant::now();
+        let results: Vec<Option<Held>> = batch
+            .par_iter()
+            .map(|&place| {
+                if hung.load(Ordering::Relaxed) {
+                    return Ok(None);
+                }
+                let held = hold(dut, kind, (place, &planned[place]), options.level)?;
+                if held.timeout == Some(Timeout::Hung) {
+                    hung.store(true, Ordering::Relaxed);
+                }
+                progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / planned.len() as f64);
+                Ok(Some(held))
+            })
+            .collect::<Result<_>>()?;
+        let seconds: f64 = results.iter().flatten().map(|held| held.seconds).sum();
+        let random: f64 = results.iter().flatten().filter(|held| held.random).map(|held| held.seconds).sum();
+        // Threads hold sessions at the same time: the random ones have their part of the time.
+        if seconds > 0.0 {
+            random_seconds += started.elapsed().as_secs_f64() * random / seconds;
+        }
+        held.extend(results.into_iter().flatten());
+        if hung.load(Ordering::Relaxed) {
+            stopped = Some("the implementation hangs".to_owned());
+            break;
+        }
+        let failed = |held: &Held| !held.findings.is_empty();
+        if let Some((last, _)) = held.iter().enumerate().filter(|(_, held)| failed(held)).nth(options.errors.max(1) - 1) {
+            held.truncate(last + 1);
+            if held.len() < planned.len() {
+                stopped = Some(format!("{} sessions fail", options.errors.max(1)));
+            }
+            break;
+        }
+    }
+    let failures = failures(dut, kind, planned, &held, options)?;
+    Ok(Summary { name, kind, planned, held: &held, options }.report(failures, stopped, random_seconds))
+}
+
+impl Planned {
+    /// The session, which is made where it is random.
+    fn session(&self, kind: &dyn Kind) -> Session {
+        match self {
+            Self::Directed(session) => (**session).clone(),
+            Self::Random { seed, requests } => kind.random(*seed, *requests),
+        }
+    }
+}
+
+fn hold(dut: &dyn Dut, kind: &dyn Kind, (place, planned): (usize, &Planned), level: Level) -> Result<Held> {
+    let session = planned.session(kind);
+    let mut judge = Judge::new(kind, &session, level);
+    let began = Instant::now();
+    let Ending { timeout, stderr } = dut.converse(&session, &mut judge)?;
+    let observed = kind.levels().iter().copied().filter(|&level| judge.observed(level)).collect();
+    Ok(Held {
+        row: session.requirement.clone().unwrap_or_else(|| RANDOM.to_owned()),
+        place,
+        stderr: if judge.findings().is_empty() { String::new() } else { stderr },
+        findings: judge.findings().to_vec(),
+        unsupported: judge.unsupported().map(str::to_owned),
+        observed,
+        answered: judge.answered(),
+        random: matches!(planned, Planned::Random { .. }),
+        seconds: began.elapsed().as_secs_f64(),
+        timeout,
+    })
+}
+
+/// Of each requirement and level the first session that fails, shrunk.
+fn failures(
+    dut: &dyn Dut,
+    kind: &dyn Kind,
+    planned: &[Planned],
+    held: &[Held],
+    options: &Options,
+) -> Result<Vec<Failure>> {
+    let mut chosen: Vec<(usize, &Finding)> = Vec::new();
+    for (place, session) in held.iter().enumerate() {
+        // The lowest level: those above follow from it.
+        let Some(finding) = session.findings.iter().min_by_key(|finding| finding.level) else { continue };
+        let same = |&(other, known): &(usize, &Finding)| {
+            let row = &held[other].row;
+            row == &session.row && known.level == finding.level && known.requirement == finding.requirement
+        };
+        if !chosen.iter().any(same) {
+            chosen.push((place, finding));
+        }
+    }
+    chosen.truncate(SHOWN_FAILURES);
+    let of = |&(place, finding): &(usize, &Finding)| {
+        let session = planned[held[place].place].session(kind);
+        failure(dut, kind, &session, finding, &held[place], options)
+    };
+    chosen.par_iter().map(of).collect()
+}
+
+fn failure(
+    dut: &dyn Dut,
+    kind: &dyn Kind,
+    session: &Session,
+    finding: &Finding,
+    held: &Held,
+    options: &Options,
+) -> Result<Failure> {
+    let mut trouble = None;
+    let mut fails = |session: &Session| {
+        let mut judge = Judge::new(kind, session, options.level);
+        if let Err(error) = dut.converse(session, &mut judge) {
+            trouble.get_or_insert(error);
+            return None;
+        }
+        let same = |found: &&Finding| found.level == finding.level && found.requirement == finding.requirement;
+        judge.findings().iter().find(same).cloned()
+    };
+    let hangs = held.timeout.is_some();
+    let (minimal, finding) = if hangs {
+        // Each try would take the time limit again: only what was not asked for yet is left out.
+        let asked = finding.request.map_or(usize::MAX, |request| request + 1);
+        (session.with_requests(session.requests().take(asked)), finding.clone())
+    } else {
+        shrink(kind, session, finding, &mut fails)
+    };
+    if let Some(error) = trouble {
+        return Err(error);
+    }
+    // A directed session is about its requirement, whatever differs; but for a conversation that
+    // breaks off.
+    let requirement = match (&session.requirement, finding.level) {
+        (Some(requirement), level) if level > Level::Protocol => requirement.clone(),
+        _ => finding.requirement.to_owned(),
+    };
+    Ok(Failure {
+        requirement,
+        level: finding.level,
+        session: session.name.clone(),
+        row: held.row.clone(),
+        idea: session.idea.clone(),
+        says: finding.says.clone(),
+        minimal: String::from_utf8_lossy(minimal.text()).lines().map(str::to_owned).collect(),
+        minimal_requests: minimal.requests().count(),
+        found_requests: session.requests().count(),
+        state_before: finding.request.map(|request| kind.state_before(&minimal, request)).unwrap_or_default(),
+        asked: finding.asked.clone(),
+        expected: finding.expected.clone(),
+        got: finding.got.clone(),
+        stderr: held.stderr.clone(),
+        replay: None,
+    })
+}
+
+/// What a report is made of.
+struct Summary<'a> {
+    name: &'a str,
+    kind: &'a dyn Kind,
+    planned: &'a [Planned],
+    held: &'a [Held],
+    options: &'a Options,
+}
+
+impl Summary<'_> {
+    fn report(&self, failures: Vec<Failure>, stopped: Option<String>, random_seconds: f64) -> Report {
+        let levels = self.levels();
+        let passed = |level: &&LevelVerdict| level.verdict == AtLevel::Passed;
+        let before_failed = levels.iter().take_while(|level| level.verdict != AtLevel::Failed);
+        let highest = before_failed.filter(passed).map(|level| level.level).last();
+        let errors = self.held.iter().filter(|held| !held.findings.is_empty()).count();
+        let at_asked = levels.iter().find(|level| level.level == self.options.level);
+        let slow = self.held.iter().any(|held| held.timeout == Some(Timeout::Slow));
+        let judged = self.held.iter().any(|held| held.unsupported.is_none());
+        // Asked for all that there is, an implementation is judged by all that it observes.
+        let all = Some(&self.options.level) == self.kind.levels().last();
+        let told = judged && !slow && (all || at_asked.is_some_and(|level| level.verdict == AtLevel::Passed));
+        let told = told && highest.is_some_and(|highest| highest > Level::Protocol);
+        let verdict = match (errors, told) {
+            (0, true) => Verdict::Conforms,
+            (0, false) => Verdict::Incomplete,
+            _ => Verdict::DoesNotConform,
+        };
+        let random = || self.held.iter().filter(|held| held.random);
+        Report {
+            schema_version: SCHEMA_VERSION,
+            dut: self.name.to_owned(),
+            kind: self.kind.name().to_owned(),
+            verdict,
+            highest,
+            asked: self.options.level,
+            levels,
+            requirements: self.requirements(),
+            failures,
+            unsupported: self.unsupported(),
+            coverage: self.coverage(),
+            sessions: self.held.len(),
+            errors,
+            requests: self.held.iter().map(|held| held.answered as u64).sum(),
+            random_requests: random().map(|held| held.answered as u64).sum(),
+            random_seconds,
+            stopped: stopped.or_else(|| slow.then(|| "some sessions reached the time limit".to_owned())),
+        }
+    }
+
+    fn levels(&self) -> Vec<LevelVerdict> {
+        let lowest_failed = self.held.iter().flat_map(|held| &held.findings).map(|finding| finding.level).min();
+        let verdict = |&level: &Level| {
+            let verdict = if level > self.options.level {
+                AtLevel::NotAsked
+            } else if lowest_failed.is_some_and(|failed| failed <= level) {
+                AtLevel::Failed
+            } else if self.held.iter().any(|held| held.observed.contains(&level) && held.unsupported.is_none()) {
+                AtLevel::Passed
+            } else {
+                AtLevel::NotObserved
+            };
+            LevelVerdict { level, verdict }
+        };
+        self.kind.levels().iter().map(verdict).collect()
+    }
+
+    fn requirements(&self) -> Vec<RequirementVerdict> {
+        let mut rows: Vec<RequirementVerdict> = Vec::new();
+        for held in self.held.iter().filter(|held| held.unsupported.is_none()) {
+            let place = rows.iter().position(|row| row.requirement == held.row).unwrap_or_else(|| {
+                rows.push(RequirementVerdict { requirement: held.row.clone(), sessions: 0, failed: 0 });
+                rows.len() - 1
+            });
+            rows[place].sessions += 1;
+            rows[place].failed += usize::from(!held.findings.is_empty());
+        }
+        rows
+    }
+
+    fn unsupported(&self) -> Vec<Unsupported> {
+        let mut rows: Vec<Unsupported> = Vec::new();
+        for key in self.held.iter().filter_map(|held| held.unsupported.as_deref()) {
+            match rows.iter_mut().find(|row| row.key == key) {
+                Some(row) => row.sessions += 1,
+                None => rows.push(Unsupported { key: key.to_owned(), sessions: 1 }),
+            }
+        }
+        rows
+    }
+
+    /// What the sessions exercise that were held to their ends.
+    fn coverage(&self) -> Vec<crate::kind::Covered> {
+        let mut coverage = self.kind.coverage();
+        for held in self.held {
+            if held.findings.is_empty() && held.unsupported.is_none() && held.timeout.is_none() {
+                coverage.add(&self.planned[held.place].session(self.kind));
+            }
+        }
+        coverage.rows()
+    }
+}

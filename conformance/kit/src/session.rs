@@ -1,0 +1,272 @@
+//! A session: one conversation with an implementation, as the text that is sent to it.
+
+use memchr::memchr;
+use std::fmt;
+use std::ops::Range;
+
+/// Begins a line of a suite file that is about the session and not part of it.
+const ABOUT: &str = "#:";
+
+/// One conversation: the hello, the configuration, requests, and the end.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Session {
+    /// What it is called, such as `vm/free-way-lowest` or `vm/random/17`.
+    pub name: String,
+    /// The requirement that it is about; none where it is about all.
+    pub requirement: Option<String>,
+    /// Its idea in a sentence.
+    pub idea: String,
+    text: Vec<u8>,
+    hello: Range<usize>,
+    config: Range<usize>,
+    body: Range<usize>,
+}
+
+/// Why text is no session.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SessionError {
+    /// Number of the line, from 1 on.
+    pub line: usize,
+    /// What is wrong, and what would be right.
+    pub says: String,
+}
+
+impl fmt::Display for SessionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}: {}", self.line, self.says)
+    }
+}
+
+impl std::error::Error for SessionError {}
+
+impl Session {
+    /// The session of these parts; requests are lines, each with its newline.
+    #[must_use]
+    pub fn new(name: &str, hello: &str, config: &str, requests: &[u8]) -> Self {
+        let mut text = format!("{hello}\nconfig {config}\n").into_bytes();
+        let hello = 0..hello.len();
+        let config = text.len() - config.len() - 1..text.len() - 1;
+        let body = text.len()..text.len() + requests.len();
+        text.extend_from_slice(requests);
+        text.extend_from_slice(b"end\n");
+        Self { name: name.to_owned(), requirement: None, idea: String::new(), text, hello, config, body }
+    }
+
+    /// The sessions of a suite file: one for its configuration, and one for each line
+    /// `#: also KEY=VALUE ..`, which replaces some of it. `#: REQUIREMENT IDEA` says what it is about.
+    ///
+    /// # Errors
+    /// Where the text is no session: it lacks the hello, the configuration or the end.
+    pub fn parse(name: &str, suite: &str) -> Result<Vec<Self>, SessionError> {
+        let mut about = Vec::new();
+        let mut also = Vec::new();
+        let mut lines = suite.lines().zip(1..).peekable();
+        while let Some((line, _)) = lines.next_if(|(line, _)| line.trim().is_empty() || line.starts_with('#')) {
+            let Some(said) = line.strip_prefix(ABOUT).map(str::trim) else { continue };
+            match said.strip_prefix("also ") {
+                Some(changes) => also.push(changes),
+                None => about.push(said),
+            }
+        }
+        let wrong = |line, says: &str| SessionError { line, says: says.to_owned() };
+        let Some((hello, _)) = lines.next() else {
+            return Err(wrong(suite.lines().count(), "no session; the first request is a hello, such as 'saarcor-vm 1'"));
+        };
+        let (config, _) = lines
+            .next()
+            .and_then(|(line, number)| Some((line.strip_prefix("config ")?, number)))
+            .ok_or_else(|| wrong(about.len() + also.len() + 2, "'config KEY=VALUE ..' has to follow the hello"))?;
+        let mut requests = String::new();
+        let mut ended = false;
+        for (line, number) in lines {
+            if ended && !line.trim().is_empty() && !line.starts_with('#') {
+                return Err(wrong(number, "nothing follows 'end'"));
+            }
+            ended |= line == "end";
+            if !ended && !line.trim().is_empty() {
+                requests.push_str(line);
+                requests.push('\n');
+            }
+        }
+        if !ended {
+            return Err(wrong(suite.lines().count(), "the session lacks its 'end'"));
+        }
+        let about = about.join(" ");
+        let (requirement, idea) = about.split_once(' ').unwrap_or((&about, ""));
+        let session = |name: &str, config: &str| Self {
+            requirement: (!requirement.is_empty()).then(|| requirement.to_owned()),
+            idea: idea.to_owned(),
+            ..Self::new(name, hello, config, requests.as_bytes())
+        };
+        let mut sessions = vec![session(name, config)];
+        for changes in also {
+            let config = changed(config, changes);
+            sessions.push(session(&format!("{name}@{}", changes.replace(' ', ",")), &config));
+        }
+        Ok(sessions)
+    }
+
+    /// All that is sent.
+    #[must_use]
+    pub fn text(&self) -> &[u8] {
+        &self.text
+    }
+
+    /// The session as a suite file, which [`Session::parse`] reads back.
+    #[must_use]
+    pub fn to_suite(&self) -> Vec<u8> {
+        let requirement = self.requirement.as_deref().unwrap_or_default();
+        let mut suite = match format!("{requirement} {}", self.idea).trim() {
+            "" => String::new(),
+            about => format!("{ABOUT} {about}\n"),
+        }
+        .into_bytes();
+        suite.extend_from_slice(&self.text);
+        suite
+    }
+
+    /// The hello, which names the kind and the version.
+    #[must_use]
+    pub fn hello(&self) -> &str {
+        self.part(&self.hello)
+    }
+
+    /// The configuration, without the word `config`.
+    #[must_use]
+    pub fn config(&self) -> &str {
+        self.part(&self.config)
+    }
+
+    fn part(&self, range: &Range<usize>) -> &str {
+        // What comes in is text, and ranges end at newlines and spaces.
+        std::str::from_utf8(&self.text[range.clone()]).unwrap_or_default()
+    }
+
+    /// Where in the text the lines begin that follow the configuration.
+    #[must_use]
+    pub fn body_start(&self) -> usize {
+        self.body.start
+    }
+
+    /// The requests between the configuration and the end, without comments.
+    pub fn requests(&self) -> impl Iterator<Item = &[u8]> {
+        Lines { text: &self.text[self.body.clone()] }.filter(|line| is_asked(line))
+    }
+
+    /// The request at or after place `at` of the text, and the place behind it; the last one is `end`.
+    #[inline]
+    #[must_use]
+    pub fn request_at(&self, at: usize) -> Option<(&[u8], usize)> {
+        let mut lines = Lines { text: self.text.get(at..)? };
+        loop {
+            let line = lines.next()?;
+            if is_asked(line) {
+                return Some((line, self.text.len() - lines.text.len()));
+            }
+        }
+    }
+
+    /// The same session with other requests.
+    #[must_use]
+    pub fn with_requests<'a>(&self, requests: impl IntoIterator<Item = &'a [u8]>) -> Self {
+        let mut body = Vec::new();
+        for request in requests {
+            body.extend_from_slice(request);
+            body.push(b'\n');
+        }
+        self.with(self.config(), &body)
+    }
+
+    /// The same session with another configuration.
+    #[must_use]
+    pub fn with_config(&self, config: &str) -> Self {
+        self.with(config, &self.text[self.body.clone()])
+    }
+
+    fn with(&self, config: &str, body: &[u8]) -> Self {
+        let (requirement, idea) = (self.requirement.clone(), self.idea.clone());
+        Self { requirement, idea, ..Self::new(&self.name, self.hello(), config, body) }
+    }
+}
+
+/// Whether a line wants an answer.
+fn is_asked(line: &[u8]) -> bool {
+    !line.is_empty() && line[0] != b'#'
+}
+
+/// `config` with some of its values replaced.
+fn changed(config: &str, changes: &str) -> String {
+    let key = |word: &str| word.split('=').next().map(str::to_owned);
+    let words = config.split_ascii_whitespace().map(|word| {
+        changes.split_ascii_whitespace().find(|change| key(change) == key(word)).unwrap_or(word)
+    });
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// The lines of text, without their newlines.
+struct Lines<'a> {
+    text: &'a [u8],
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = &'a [u8];
+
+    #[inline]
+    fn next(&mut self) -> Option<&'a [u8]> {
+        if self.text.is_empty() {
+            return None;
+        }
+        let end = memchr(b'\n', self.text).unwrap_or(self.text.len());
+        let line = &self.text[..end];
+        self.text = self.text.get(end + 1..).unwrap_or_default();
+        Some(line)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SUITE: &str = "#: VM-3 Upper bits\n#: are added.\n#: also policy=fifo ways=2\nsaarcor-vm 1\n\
+                         config ways=4 policy=lru\nr 0 1\n# why\nflush\nend\n";
+
+    #[test]
+    fn suites_give_their_sessions() {
+        let sessions = Session::parse("vm/x", SUITE).expect("a suite");
+        let names: Vec<_> = sessions.iter().map(|session| session.name.as_str()).collect();
+        assert_eq!(names, ["vm/x", "vm/x@policy=fifo,ways=2"]);
+        assert_eq!(sessions[0].requirement.as_deref(), Some("VM-3"));
+        assert_eq!(sessions[0].idea, "Upper bits are added.");
+        assert_eq!((sessions[0].hello(), sessions[1].config()), ("saarcor-vm 1", "ways=2 policy=fifo"));
+        assert_eq!(sessions[0].requests().collect::<Vec<_>>(), [&b"r 0 1"[..], b"flush"]);
+    }
+
+    #[test]
+    fn sessions_read_back() {
+        let sessions = Session::parse("vm/x", SUITE).expect("a suite");
+        let text = String::from_utf8(sessions[1].to_suite()).expect("text");
+        assert_eq!(Session::parse(&sessions[1].name, &text), Ok(vec![sessions[1].clone()]));
+    }
+
+    #[test]
+    fn what_is_no_session_is_told() {
+        for (text, line, says) in [
+            ("", 0, "hello"),
+            ("# only\n", 1, "hello"),
+            ("saarcor-vm 1\nr 0 1\n", 2, "config"),
+            ("saarcor-vm 1\nconfig a=1\nr 0 1\n", 3, "end"),
+            ("saarcor-vm 1\nconfig a=1\nend\nr 0 1\n", 4, "nothing follows"),
+        ] {
+            let error = Session::parse("x", text).expect_err("none");
+            assert!(error.line == line && error.says.contains(says), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn parts_can_be_replaced() {
+        let session = Session::new("x", "saarcor-vm 1", "a=1", b"flush\n");
+        let other = session.with_config("b=2").with_requests([&b"r 0 1"[..], b"r 1 1"]);
+        assert_eq!(other.text(), b"saarcor-vm 1\nconfig b=2\nr 0 1\nr 1 1\nend\n");
+        assert_eq!(other.request_at(other.body_start()), Some((&b"r 0 1"[..], other.body_start() + 6)));
+    }
+}

@@ -1,0 +1,109 @@
+//! Delta debugging: the shortest requests that still fail in the same way (Zeller, Hildebrandt 2002).
+
+use crate::judge::Finding;
+use crate::kind::Kind;
+use crate::session::Session;
+
+/// Conversations that are held at most to shrink one session.
+const MAX_TRIES: usize = 1000;
+
+/// Runs a session; what it finds, if it fails in the same way.
+pub type Fails<'a> = dyn FnMut(&Session) -> Option<Finding> + 'a;
+
+/// A session that fails like `session` and from which no single request can be left out, in the
+/// simplest configuration that was found.
+pub fn shrink(kind: &dyn Kind, session: &Session, finding: &Finding, fails: &mut Fails<'_>) -> (Session, Finding) {
+    let requests = session.requests().map(<[u8]>::to_vec).collect();
+    let mut shrinking =
+        Shrinking { kind, session: session.clone(), requests, finding: finding.clone(), fails, tries: 0 };
+    shrinking.cut();
+    shrinking.leave_out();
+    shrinking.simplify_config();
+    shrinking.simplify_requests();
+    (shrinking.session, shrinking.finding)
+}
+
+struct Shrinking<'a, 'f> {
+    kind: &'a dyn Kind,
+    /// The shortest that fails, and its requests.
+    session: Session,
+    requests: Vec<Vec<u8>>,
+    finding: Finding,
+    fails: &'a mut Fails<'f>,
+    tries: usize,
+}
+
+impl Shrinking<'_, '_> {
+    /// Takes `session` for the shortest if it fails.
+    fn take(&mut self, session: Session) -> bool {
+        if self.tries == MAX_TRIES || self.kind.check(&session).is_err() {
+            return false;
+        }
+        self.tries += 1;
+        let Some(finding) = (self.fails)(&session) else { return false };
+        self.requests = session.requests().map(<[u8]>::to_vec).collect();
+        (self.session, self.finding) = (session, finding);
+        true
+    }
+
+    fn take_requests(&mut self, requests: &[Vec<u8>]) -> bool {
+        self.take(self.session.with_requests(requests.iter().map(Vec::as_slice)))
+    }
+
+    /// Leaves out what follows the request that fails.
+    fn cut(&mut self) {
+        if let Some(last) = self.finding.request.filter(|last| last + 1 < self.requests.len()) {
+            let requests = self.requests[..=last].to_vec();
+            self.take_requests(&requests);
+        }
+    }
+
+    /// Leaves out ever smaller parts, until no single request can be.
+    fn leave_out(&mut self) {
+        let mut part = (self.requests.len() / 2).max(1);
+        loop {
+            let mut left_out = false;
+            // From the end on: what fails stands there, and what it needs often shortly before.
+            let mut end = self.requests.len();
+            while end > 0 {
+                let begin = end.saturating_sub(part);
+                let mut requests = self.requests.clone();
+                requests.drain(begin..end);
+                if self.take_requests(&requests) {
+                    left_out = true;
+                    self.cut();
+                }
+                end = begin.min(self.requests.len());
+            }
+            if part > 1 {
+                part /= 2;
+            } else if !left_out || self.tries == MAX_TRIES {
+                return;
+            }
+        }
+    }
+
+    fn simplify_config(&mut self) {
+        loop {
+            let simpler = self.kind.simpler_configs(self.session.config());
+            if !simpler.iter().any(|config| self.take(self.session.with_config(config))) {
+                return;
+            }
+            self.cut();
+            self.leave_out();
+        }
+    }
+
+    fn simplify_requests(&mut self) {
+        for place in 0..self.requests.len() {
+            for simpler in self.kind.simpler_requests(&self.session, &self.requests[place]) {
+                let mut requests = self.requests.clone();
+                requests[place] = simpler.into_bytes();
+                if self.take_requests(&requests) {
+                    break;
+                }
+            }
+        }
+        self.leave_out();
+    }
+}

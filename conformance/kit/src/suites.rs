@@ -1,0 +1,96 @@
+//! The directed sessions, by their names and texts: one idea and one requirement each.
+//!
+//! They stand in an order in which what comes later builds on what came before: the first that fails
+//! names the cause.
+
+/// A suite file of `conformance/suites`.
+macro_rules! suites {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!("../../suites/", $name, ".txt")))),*]
+    };
+}
+
+/// Suites of `saarcor-vm`.
+pub const VM: &[(&str, &str)] = suites![
+    "vm/hello-and-end",
+    "vm/comments",
+    "vm/one-answer-a-request",
+    "vm/line-is-one-access",
+    "vm/memory-holds-its-lines",
+    "vm/offset-on-the-card",
+    "vm/set-on-the-card",
+    "vm/ways-on-the-card",
+    "vm/hash-low",
+    "vm/hash-adds-upper-bits",
+    "vm/hash-drops-the-carry",
+    "vm/hash-adds-all-upper-bits",
+    "vm/hash-adds-once",
+    "vm/hash-spreads-strides",
+    "vm/hash-of-one-set",
+    "vm/tag-has-every-bit",
+    "vm/tag-with-the-hash",
+    "vm/free-ways-in-order",
+    "vm/free-way-after-invalidation",
+    "vm/free-way-before-a-victim",
+    "vm/look-up-before-a-free-way",
+    "vm/line-lies-where-it-was-loaded",
+    "vm/hit-while-resident",
+    "vm/miss-after-eviction",
+    "vm/evicted-address",
+    "vm/lru-victim",
+    "vm/lru-hit-makes-youngest",
+    "vm/lru-all-orders",
+    "vm/fifo-victim",
+    "vm/fifo-hit-changes-nothing",
+    "vm/plru-victim",
+    "vm/plru-hit-turns-the-tree",
+    "vm/sets-are-apart",
+    "vm/invalidate-one-line",
+    "vm/invalidate-by-any-byte",
+    "vm/invalidate-both-ends",
+    "vm/invalidate-another-line",
+    "vm/invalidate-in-the-last-way",
+    "vm/invalidate-many-lines",
+    "vm/invalidate-up-to-the-end",
+    "vm/invalidate-keeps-the-order",
+    "vm/flush",
+    "vm/bytes-are-the-hosts",
+    "vm/lines-lie-apart",
+    "vm/write-and-invalidate",
+    "vm/write-without-invalidation",
+    "vm/pushed-out-line-is-loaded-anew",
+    "vm/write-across-lines",
+    "vm/load-moves-the-whole-line",
+    "vm/unwritten-is-zero",
+    "vm/last-byte-of-the-addresses",
+];
+
+#[cfg(test)]
+mod tests {
+    use crate::KINDS;
+    use crate::session::Session;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_suite_is_listed_and_legal() {
+        let mut listed = BTreeSet::new();
+        for kind in KINDS {
+            for (name, text) in kind.suites() {
+                for session in Session::parse(name, text).expect("a suite") {
+                    assert_eq!(kind.check(&session), Ok(()), "{}", session.name);
+                    assert!(session.requirement.is_some() && session.idea.ends_with('.'), "{name}");
+                }
+                listed.insert(format!("{name}.txt"));
+            }
+        }
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../suites");
+        for kind in std::fs::read_dir(folder).expect("the suites") {
+            let kind = kind.expect("a folder");
+            for file in std::fs::read_dir(kind.path()).expect("a folder") {
+                let name = format!("{}/{}", kind.file_name().display(), file.expect("a file").file_name().display());
+                assert!(listed.remove(&name), "{name} is not listed");
+            }
+        }
+        assert!(listed.is_empty());
+    }
+}

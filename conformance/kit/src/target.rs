@@ -1,0 +1,222 @@
+//! What a person names as the implementation under test: a folder with `dut.toml`, a command line, or
+//! one of the oracles.
+
+use crate::dut::{Dut, InProcess};
+use crate::kind::{Kind, Oracle};
+use crate::kind_named;
+use anyhow::{Context, Result, bail};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Seconds that a session may take where nothing is said (Assumed).
+pub const TIME_LIMIT: f64 = 10.0;
+
+/// Seconds that a build may take.
+const BUILD_LIMIT: Duration = Duration::from_secs(600);
+
+/// Longest time limit in seconds: an hour.
+const MAX_TIME_LIMIT: f64 = 3600.0;
+
+/// The file `dut.toml`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DutFile {
+    /// The kind, such as `saarcor-vm`.
+    pub kind: String,
+    /// Programs that building and running need.
+    #[serde(default)]
+    pub needs: Vec<String>,
+    /// Command line that builds the implementation, in the folder of the file.
+    pub build: Option<String>,
+    /// Command line that starts it, in the same folder.
+    pub command: String,
+    /// Seconds that a session may take.
+    #[serde(default = "default_time_limit")]
+    pub time_limit: f64,
+    /// Requests of the random part, for an implementation that is too slow for the usual number.
+    pub requests: Option<usize>,
+}
+
+fn default_time_limit() -> f64 {
+    TIME_LIMIT
+}
+
+impl DutFile {
+    /// The file's values.
+    ///
+    /// # Errors
+    /// What is wrong, in which line, and what would be right.
+    pub fn parse(text: &str) -> Result<Self> {
+        let file: Self = toml::from_str(text).map_err(|error| {
+            let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
+            anyhow::anyhow!("line {line}: {}", error.message())
+        })?;
+        if kind_named(&file.kind).is_none() {
+            bail!("kind = \"{}\": {}", file.kind, known_kinds());
+        }
+        if !(file.time_limit > 0.0 && file.time_limit <= MAX_TIME_LIMIT) {
+            bail!("time_limit = {}: it is a number of seconds from 0 to {MAX_TIME_LIMIT}", file.time_limit);
+        }
+        Ok(file)
+    }
+}
+
+/// The kinds that there are, in a sentence.
+fn known_kinds() -> String {
+    let names: Vec<_> = crate::KINDS.iter().map(|kind| kind.name()).collect();
+    format!("the kinds are {}", names.join(", "))
+}
+
+/// An implementation to be run.
+pub struct Target {
+    /// As the person named it.
+    pub name: String,
+    /// Its kind, where it is known; else its hello tells.
+    pub kind: Option<&'static dyn Kind>,
+    /// Programs that it needs and that are not there.
+    pub missing: Vec<String>,
+    /// Requests of the random part, where it asks for a number.
+    pub requests: Option<usize>,
+    /// The implementation.
+    pub dut: Box<dyn Dut>,
+    build: Option<(String, PathBuf)>,
+}
+
+impl Target {
+    /// What `name` names: `model` or `naive`, a folder with `dut.toml`, or else a command line.
+    /// `time_limit` takes the place of the one of `dut.toml`.
+    ///
+    /// # Errors
+    /// Where `dut.toml` cannot be read, or is wrong.
+    pub fn open(name: &str, time_limit: Option<f64>) -> Result<Self> {
+        let oracle = match name {
+            "model" => Some(Oracle::Model),
+            "naive" => Some(Oracle::Naive),
+            _ => None,
+        };
+        let target = |kind, dut| Self {
+            name: name.to_owned(),
+            kind,
+            missing: Vec::new(),
+            requests: None,
+            dut,
+            build: None,
+        };
+        if let Some(oracle) = oracle {
+            return Ok(target(Some(crate::KINDS[0]), Box::new(InProcess::oracle(oracle))));
+        }
+        let folder = Path::new(name);
+        if !folder.is_dir() {
+            if name.trim().is_empty() {
+                bail!("no implementation: name a folder with dut.toml, or a command line");
+            }
+            let limit = time_limit.unwrap_or(TIME_LIMIT);
+            return Ok(target(None, process(name.to_owned(), None, limit)?));
+        }
+        let path = folder.join("dut.toml");
+        let text = std::fs::read_to_string(&path)
+            .with_context(|| format!("{}: cannot be read; a folder is named that has one", path.display()))?;
+        let file = DutFile::parse(&text).with_context(|| path.display().to_string())?;
+        let limit = time_limit.unwrap_or(file.time_limit);
+        Ok(Self {
+            name: name.to_owned(),
+            kind: kind_named(&file.kind),
+            missing: file.needs.into_iter().filter(|program| !is_there(program)).collect(),
+            requests: file.requests,
+            dut: process(file.command, Some(folder.to_owned()), limit)?,
+            build: file.build.map(|build| (build, folder.to_owned())),
+        })
+    }
+
+    /// Builds the implementation, if it is to be.
+    ///
+    /// # Errors
+    /// Where the build fails, with the end of what it said.
+    #[cfg(unix)]
+    pub fn build(&self) -> Result<()> {
+        let Some((command, folder)) = &self.build else { return Ok(()) };
+        let said = tempfile::NamedTempFile::new().context("file for what the build says")?;
+        let output = || Ok::<_, anyhow::Error>(std::process::Stdio::from(said.as_file().try_clone()?));
+        let mut shell = crate::child::shell(command, Some(folder));
+        shell.stdin(std::process::Stdio::null()).stdout(output()?).stderr(output()?);
+        let mut child = shell.spawn().with_context(|| format!("'{command}' cannot be started"))?;
+        let began = std::time::Instant::now();
+        let status = loop {
+            if let Some(status) = child.try_wait()? {
+                break status;
+            }
+            if began.elapsed() > BUILD_LIMIT {
+                crate::child::kill_group(&mut child);
+                bail!("build '{command}' in {}: not done within {} s", folder.display(), BUILD_LIMIT.as_secs());
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        };
+        if !status.success() {
+            let text = String::from_utf8_lossy(&std::fs::read(said.path())?).into_owned();
+            let last: Vec<_> = text.lines().rev().take(3).collect();
+            let last: Vec<_> = last.into_iter().rev().collect();
+            bail!("build '{command}' in {}: {status}: {}", folder.display(), last.join(" | "));
+        }
+        Ok(())
+    }
+
+    /// Builds the implementation, if it is to be.
+    ///
+    /// # Errors
+    /// Always, where something is to be built: only Unix is supported.
+    #[cfg(not(unix))]
+    pub fn build(&self) -> Result<()> {
+        if self.build.is_some() { bail!("builds are run on Unix only") } else { Ok(()) }
+    }
+}
+
+#[cfg(unix)]
+fn process(command: String, folder: Option<PathBuf>, limit: f64) -> Result<Box<dyn Dut>> {
+    let time_limit = Duration::try_from_secs_f64(limit).context("time limit")?;
+    Ok(Box::new(crate::child::Process { command, folder, time_limit }))
+}
+
+#[cfg(not(unix))]
+fn process(_: String, _: Option<PathBuf>, _: f64) -> Result<Box<dyn Dut>> {
+    bail!("implementations are started as processes on Unix only")
+}
+
+/// Whether a program is in the path, or is a path itself.
+fn is_there(program: &str) -> bool {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&path).any(|folder| folder.join(program).is_file())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_read() {
+        let text = "kind = \"saarcor-vm\"\ncommand = \"./cache\"\nneeds = [\"cc\"]\nbuild = \"cc -o cache cache.c\"\n";
+        let file = DutFile::parse(text).expect("right");
+        assert_eq!((file.time_limit, file.requests, file.needs), (TIME_LIMIT, None, vec!["cc".to_owned()]));
+    }
+
+    #[test]
+    fn what_is_wrong_in_a_file_is_told() {
+        let whole = "kind = \"saarcor-vm\"\ncommand = \"./cache\"\ntime_limit = 1\n";
+        for (from, to, says) in [
+            ("saarcor-vm", "saarcor", "saarcor-vm"),
+            ("command =", "comand =", "line 2"),
+            ("= 1", "= -1", "seconds"),
+            ("= 1", "= nan", "seconds"),
+            ("= 1", "= 'a", "line 3"),
+            ("command", "#", "command"),
+        ] {
+            let error = DutFile::parse(&whole.replace(from, to)).expect_err("wrong").to_string();
+            assert!(error.contains(says), "{from} -> {to}: {error}");
+        }
+    }
+
+    #[test]
+    fn programs_are_looked_for() {
+        assert!(is_there("sh") && !is_there("no-such-program"));
+    }
+}

@@ -1,0 +1,160 @@
+//! The configuration of `saarcor-vm`: `line=128 lines=65536 ways=4 hash=add-upper policy=lru`.
+
+use crate::MAX_LINE_BYTES;
+use saarcor_model::geometry::Geometry;
+use saarcor_model::hash::Hash;
+use saarcor_model::set::Policy;
+use saarcor_model::units::Bytes;
+use saarcor_model::vm::CacheConfig;
+
+/// Values of a key by their names.
+pub type Choices<T> = &'static [(&'static str, T)];
+
+/// Hashes by their names.
+pub const HASHES: Choices<Hash> =
+    &[("low", Hash::Low), ("add-upper", Hash::AddUpper), ("add-upper-all", Hash::AddUpperAll)];
+
+/// Policies by their names.
+pub const POLICIES: Choices<Policy> = &[("lru", Policy::Lru), ("fifo", Policy::Fifo), ("plru", Policy::Plru)];
+
+/// Most bytes of on-board memory of a session (Assumed: twice the paper's largest; the kit holds it
+/// once for each session that runs).
+pub const MAX_MEMORY: Bytes = Bytes(128 << 20);
+
+/// Most lines of a session: the kit holds the metadata of each.
+const MAX_LINES: u64 = 1 << 21;
+
+/// The name of one of `choices`.
+#[must_use]
+pub fn name_of<T: PartialEq>(choices: Choices<T>, value: &T) -> &'static str {
+    choices.iter().find(|(_, choice)| choice == value).expect("every value has its name").0
+}
+
+/// The one of `choices` that is so named.
+///
+/// # Errors
+/// The names that there are.
+pub fn named<T: Copy>(choices: Choices<T>, name: &str) -> Result<T, String> {
+    let found = choices.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
+    found.ok_or_else(|| {
+        let names: Vec<_> = choices.iter().map(|(name, _)| *name).collect();
+        format!("write one of {}", names.join(", "))
+    })
+}
+
+/// The cache that a configuration names.
+///
+/// # Errors
+/// The key that is wrong, and what would be right.
+pub fn parse(config: &str) -> Result<CacheConfig, String> {
+    let (mut line, mut lines, mut ways, mut hash, mut policy) = (None, None, None, None, None);
+    for word in config.split_ascii_whitespace() {
+        let (key, value) = word.split_once('=').ok_or_else(|| format!("'{word}': write KEY=VALUE"))?;
+        let wrong = |right: String| format!("{key}={value}: {right}");
+        let number = || value.parse::<u64>().map_err(|_| wrong("write a decimal number".to_owned()));
+        match key {
+            "line" => line = Some(number()?),
+            "lines" => lines = Some(number()?),
+            "ways" => ways = Some(number()?),
+            "hash" => hash = Some(named(HASHES, value).map_err(wrong)?),
+            "policy" => policy = Some(named(POLICIES, value).map_err(wrong)?),
+            _ => return Err(format!("'{key}': the keys are line, lines, ways, hash, policy")),
+        }
+    }
+    let missing = |key: &str| format!("{key} is missing");
+    let line = line.ok_or_else(|| missing("line"))?;
+    let lines = lines.ok_or_else(|| missing("lines"))?;
+    let ways = u32::try_from(ways.ok_or_else(|| missing("ways"))?).unwrap_or(u32::MAX);
+    let memory = Bytes(line.saturating_mul(lines));
+    let geometry = Geometry::new(memory, Bytes(line), ways).map_err(|error| error.to_string())?;
+    if memory > MAX_MEMORY || lines > MAX_LINES || line > MAX_LINE_BYTES as u64 {
+        return Err(format!(
+            "{lines} lines of {line} bytes: at most {MAX_LINES} lines of {MAX_LINE_BYTES}, and {} bytes in all",
+            MAX_MEMORY.0
+        ));
+    }
+    Ok(CacheConfig {
+        geometry,
+        hash: hash.ok_or_else(|| missing("hash"))?,
+        policy: policy.ok_or_else(|| missing("policy"))?,
+    })
+}
+
+/// The configuration that [`parse`] reads back.
+#[must_use]
+pub fn text(config: &CacheConfig) -> String {
+    let CacheConfig { geometry, hash, policy } = config;
+    format!(
+        "line={} lines={} ways={} hash={} policy={}",
+        geometry.line().0,
+        geometry.lines(),
+        geometry.ways(),
+        name_of(HASHES, hash),
+        name_of(POLICIES, policy)
+    )
+}
+
+/// Configurations that are simpler by one step: fewer ways, fewer sets, shorter lines, `low`, `lru`.
+#[must_use]
+pub fn simpler(config: &CacheConfig) -> Vec<CacheConfig> {
+    let CacheConfig { geometry, hash, policy } = *config;
+    let (line, lines, ways) = (geometry.line().0, geometry.lines(), geometry.ways());
+    let with = |line: u64, lines: u64, ways: u32, hash, policy| {
+        let geometry = Geometry::new(Bytes(line * lines), Bytes(line), ways).ok()?;
+        Some(CacheConfig { geometry, hash, policy })
+    };
+    // Bold steps first: where they do, the small ones are not needed.
+    let mut steps = vec![with(line, u64::from(ways), ways, hash, policy)];
+    steps.push(with(line, lines / u64::from(ways), 1, hash, policy));
+    steps.push(with(line, lines / 2, ways / 2, hash, policy));
+    steps.push(with(line, lines / 2, ways, hash, policy));
+    if line > 16 {
+        steps.push(with(16, lines, ways, hash, policy));
+    }
+    steps.push(with(line / 2, lines, ways, hash, policy));
+    steps.push(with(line, lines, ways, Hash::Low, policy));
+    steps.push(with(line, lines, ways, hash, Policy::Lru));
+    steps.into_iter().flatten().filter(|simpler| simpler != config).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn configurations_read_back() {
+        let text = "line=128 lines=65536 ways=4 hash=add-upper policy=lru";
+        let config = parse(text).expect("the paper's");
+        assert_eq!((config.geometry.memory(), config.geometry.sets()), (Bytes(8 << 20), 16384));
+        assert_eq!(super::text(&config), text);
+        assert_eq!(parse("policy=lru ways=4 hash=add-upper lines=65536 line=128"), Ok(config));
+    }
+
+    #[test]
+    fn what_is_no_configuration_is_told() {
+        let whole = "line=16 lines=8 ways=2 hash=low policy=lru";
+        for (from, to, says) in [
+            ("line=16", "line=24", "power of two"),
+            ("lines=8", "lines=1", "smaller than one set"),
+            ("ways=2", "ways=99999999999", "ways"),
+            ("hash=low", "hash=upper", "add-upper-all"),
+            ("policy=lru", "", "policy is missing"),
+            ("policy=lru", "polcy=lru", "polcy"),
+            ("lines=8", "lines=4294967296", "at most"),
+            ("lines=8", "lines=x", "decimal"),
+            ("line=16", "line", "KEY=VALUE"),
+        ] {
+            let error = parse(&whole.replace(from, to)).expect_err("none");
+            assert!(error.contains(says), "{from} -> {to}: {error}");
+        }
+    }
+
+    #[test]
+    fn simpler_configurations_end() {
+        let mut config = parse("line=128 lines=65536 ways=4 hash=add-upper policy=plru").expect("the paper's");
+        while let Some(next) = simpler(&config).last() {
+            config = *next;
+        }
+        assert_eq!(text(&config), "line=1 lines=1 ways=1 hash=low policy=lru");
+    }
+}

@@ -1,0 +1,150 @@
+//! `saarcor-vm`: the virtual memory, version A or any that answers as it does.
+
+pub mod cache;
+mod compare;
+pub mod config;
+pub mod coverage;
+mod host;
+pub mod model;
+pub mod naive;
+mod random;
+pub mod request;
+
+use crate::kind::{Comparison, Coverage, Kind, Oracle};
+use crate::level::Level;
+use crate::serve::{Served, Unsupported};
+use crate::session::Session;
+use crate::suites;
+use cache::CacheServed;
+use request::Request;
+use saarcor_model::set::{Policy, Set};
+use saarcor_model::units::HostAddr;
+use saarcor_model::vm::CacheConfig;
+
+/// The kind `saarcor-vm`.
+#[derive(Clone, Copy, Debug)]
+pub struct Vm;
+
+impl Kind for Vm {
+    fn name(&self) -> &'static str {
+        "saarcor-vm"
+    }
+
+    fn hello(&self) -> &'static str {
+        "saarcor-vm 1"
+    }
+
+    fn levels(&self) -> &'static [Level] {
+        &[Level::Protocol, Level::Data, Level::Traffic, Level::State]
+    }
+
+    fn suites(&self) -> &'static [(&'static str, &'static str)] {
+        suites::VM
+    }
+
+    fn random(&self, seed: u64, requests: usize) -> Session {
+        let config = random::config_of(seed);
+        let name = format!("{}/random/{seed}", self.prefix());
+        Session::new(&name, self.hello(), config, &random::requests(config, seed, requests))
+    }
+
+    fn check(&self, session: &Session) -> Result<(), String> {
+        let config = config::parse(session.config()).map_err(|wrong| format!("config: {wrong}"))?;
+        for (request, number) in session.requests().zip(1..) {
+            let line = config.geometry.line().0;
+            let wrong = |right: &str| {
+                format!("request {number}, '{}': {right}", String::from_utf8_lossy(request))
+            };
+            if !Request::parse(request).map_err(wrong)?.fits(line) {
+                return Err(wrong(&format!("a read lies within one line of {line} bytes")));
+            }
+        }
+        Ok(())
+    }
+
+    fn oracle(&self, oracle: Oracle, config: &str) -> Result<Box<dyn Served>, Unsupported> {
+        let make = match oracle {
+            Oracle::Model => model::make,
+            Oracle::Naive => naive::make,
+        };
+        Ok(Box::new(CacheServed::new(config, &make)?))
+    }
+
+    fn comparison<'a>(
+        &self,
+        session: &'a Session,
+        observes: &str,
+    ) -> Result<Box<dyn Comparison + 'a>, String> {
+        Ok(Box::new(compare::VmComparison::new(session, observes)?))
+    }
+
+    fn simpler_configs(&self, config: &str) -> Vec<String> {
+        let simpler = config::parse(config).map(|config| config::simpler(&config)).unwrap_or_default();
+        simpler.iter().map(config::text).collect()
+    }
+
+    fn simpler_requests(&self, session: &Session, request: &[u8]) -> Vec<String> {
+        let line = config::parse(session.config()).map_or(1, |config| config.geometry.line().0);
+        let down = |host: u32| (u64::from(host) / line * line) as u32;
+        let simpler = match Request::parse(request) {
+            Ok(Request::Read { host, .. }) => {
+                vec![Request::Read { host: down(host), len: 1 }, Request::Read { host, len: 1 }]
+            }
+            Ok(Request::Write { host, digits }) => vec![
+                Request::Write { host: down(host), digits: b"01" },
+                Request::Write { host, digits: &digits[..2] },
+            ],
+            Ok(Request::Invalidate { host, .. }) => {
+                vec![Request::Invalidate { host: down(host), len: 1 }, Request::Invalidate { host, len: 1 }]
+            }
+            Ok(Request::Flush) | Err(_) => Vec::new(),
+        };
+        let text = simpler.into_iter().map(|request| request.to_string());
+        text.filter(|text| text.as_bytes() != request).collect()
+    }
+
+    fn state_before(&self, session: &Session, request: usize) -> Vec<String> {
+        let Ok(config) = config::parse(session.config()) else { return Vec::new() };
+        let asked = session.requests().nth(request);
+        let Some(Ok(Request::Read { host, .. })) = asked.map(Request::parse) else { return Vec::new() };
+        let before: Vec<_> = session.requests().take(request).collect();
+        match config.geometry.ways() {
+            1 => shown::<1>(config, &before, host),
+            2 => shown::<2>(config, &before, host),
+            4 => shown::<4>(config, &before, host),
+            8 => shown::<8>(config, &before, host),
+            _ => shown::<16>(config, &before, host),
+        }
+    }
+
+    fn coverage(&self) -> Box<dyn Coverage> {
+        Box::new(coverage::SmallGeometry::new())
+    }
+}
+
+/// The set of `host` after some requests, way by way.
+fn shown<const WAYS: usize>(config: CacheConfig, before: &[&[u8]], host: u32) -> Vec<String> {
+    let mut cache = model::ModelCache::<WAYS>::new(config);
+    let mut buffer = Vec::new();
+    for request in before.iter().filter_map(|request| Request::parse(request).ok()) {
+        cache::play(&mut cache, &request, &mut buffer);
+    }
+    let set: &Set<WAYS> = cache.set_of(HostAddr(host));
+    let line = config.geometry.line_of(HostAddr(host));
+    let mut rows = vec![format!("line {:x} of address {host:x} belongs to set {:x}", line.0, config.set_of(line).0)];
+    for way in 0..WAYS {
+        rows.push(if set.resident[way] {
+            let first_byte = config.geometry.first_byte(set.lines[way]);
+            format!("way {way:x}: line {:x}, from address {:x} on", set.lines[way].0, first_byte.0)
+        } else {
+            format!("way {way:x}: free")
+        });
+    }
+    let ways: Vec<_> = set.order.iter().map(|entry| format!("{entry:x}")).collect();
+    rows.push(match config.policy {
+        Policy::Lru => format!("ways from the one used last to the one used first: {}", ways.join(" ")),
+        Policy::Fifo => format!("ways from the one loaded last to the one loaded first: {}", ways.join(" ")),
+        Policy::Plru => format!("bits of the tree from the root on (1 points up): {}", ways[1..].join(" ")),
+    });
+    rows
+}

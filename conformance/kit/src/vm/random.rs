@@ -1,0 +1,209 @@
+//! Random sessions of `saarcor-vm`, weighted to collide.
+
+use super::config;
+use crate::hex;
+use crate::random::Random;
+use saarcor_model::vm::CacheConfig;
+
+/// Configurations that seeds go through: the small geometry with each hash and policy, then others.
+pub const CONFIGS: &[&str] = &[
+    "line=16 lines=8 ways=4 hash=add-upper policy=lru",
+    "line=16 lines=8 ways=4 hash=add-upper policy=fifo",
+    "line=16 lines=8 ways=4 hash=add-upper policy=plru",
+    "line=128 lines=65536 ways=4 hash=add-upper policy=lru",
+    "line=16 lines=8 ways=4 hash=low policy=lru",
+    "line=16 lines=8 ways=4 hash=low policy=fifo",
+    "line=16 lines=8 ways=4 hash=low policy=plru",
+    "line=64 lines=256 ways=2 hash=add-upper-all policy=lru",
+    "line=16 lines=8 ways=4 hash=add-upper-all policy=lru",
+    "line=16 lines=8 ways=4 hash=add-upper-all policy=fifo",
+    "line=16 lines=8 ways=4 hash=add-upper-all policy=plru",
+    "line=128 lines=1024 ways=4 hash=add-upper policy=plru",
+    "line=32 lines=64 ways=8 hash=add-upper policy=lru",
+    "line=32 lines=64 ways=8 hash=add-upper policy=fifo",
+    "line=32 lines=64 ways=8 hash=add-upper policy=plru",
+    "line=128 lines=65536 ways=4 hash=low policy=lru",
+    "line=64 lines=16 ways=1 hash=add-upper policy=lru",
+    "line=1024 lines=32 ways=16 hash=add-upper policy=lru",
+    "line=4 lines=128 ways=16 hash=low policy=plru",
+    "line=1 lines=16 ways=2 hash=add-upper policy=fifo",
+    "line=16 lines=2 ways=2 hash=add-upper policy=lru",
+    "line=256 lines=512 ways=2 hash=add-upper-all policy=fifo",
+    "line=128 lines=4096 ways=8 hash=add-upper policy=lru",
+    "line=32 lines=32 ways=1 hash=add-upper-all policy=lru",
+];
+
+/// The configuration of a seed.
+#[must_use]
+pub fn config_of(seed: u64) -> &'static str {
+    CONFIGS[(seed % CONFIGS.len() as u64) as usize]
+}
+
+/// Sets that a session aims at: so few that lines collide, and yet not one alone.
+const TARGET_SETS: u64 = 3;
+/// Most bytes from the begin of a line that are written and read most often.
+const WARM_BYTES: u64 = 16;
+
+/// The requests of a seed, each with its newline.
+///
+/// # Panics
+/// If `config` is none.
+#[must_use]
+pub fn requests(config: &str, seed: u64, count: usize) -> Vec<u8> {
+    let config = config::parse(config).expect("a configuration of the kit");
+    let mut session = Writer { random: Random::new(seed), config, pool: Vec::new(), text: Vec::new() };
+    session.fill_pool();
+    // All that is read can be told apart: each line of the pool is written to first.
+    let writes = session.pool.len().min(count / 4);
+    for place in 0..writes {
+        session.write(session.pool[place], false);
+    }
+    let mut made = writes;
+    while made < count {
+        made += session.step(count - made);
+    }
+    session.text
+}
+
+struct Writer {
+    random: Random,
+    config: CacheConfig,
+    /// Lines that are read, by their numbers.
+    pool: Vec<u64>,
+    text: Vec<u8>,
+}
+
+impl Writer {
+    /// Number of lines of the host.
+    fn host_lines(&self) -> u64 {
+        (1 << 32) / self.config.geometry.line().0
+    }
+
+    /// Lines that collide: strides of the set count and of one less, equal lower bits, neighbours,
+    /// and the end of the address space, where upper bits and carries are all ones.
+    fn fill_pool(&mut self) {
+        let (sets, ways) = (self.config.geometry.sets(), u64::from(self.config.geometry.ways()));
+        let lines = self.host_lines();
+        let size = TARGET_SETS * 2 * ways + 4;
+        let base = self.random.below(lines.min(u64::from(u32::MAX)));
+        while (self.pool.len() as u64) < size {
+            let steps = self.random.below(2 * ways + 1);
+            let line = match self.random.below(8) {
+                0 | 1 => base + steps * sets,
+                2 => base + steps * sets.saturating_sub(1).max(1),
+                3 => base ^ (1 << self.random.below(u64::from(lines.ilog2()).max(1))),
+                4 => base + self.random.below(TARGET_SETS),
+                5 => lines - 1 - steps * sets % lines,
+                6 => steps * sets * sets,
+                _ => self.random.below(lines.min(u64::from(u32::MAX))),
+            };
+            self.pool.push(line % lines);
+        }
+    }
+
+    /// Appends a request or two, at most `most`; says how many.
+    fn step(&mut self, most: usize) -> usize {
+        let line = self.random.pick(&self.pool);
+        match self.random.below(1000) {
+            0..900 => self.read(line),
+            900..930 => {
+                self.write(line, true);
+                if most > 1 && self.random.percent(75) {
+                    self.invalidate(line, 1);
+                    return 2;
+                }
+            }
+            930..970 => {
+                let lines = 1 + self.random.below(3);
+                self.invalidate(line, lines);
+            }
+            970..990 => {
+                let sets = self.config.geometry.sets();
+                // Another line of the pool's kind, so that a session does not stay in its pool.
+                let place = self.random.below(self.pool.len() as u64) as usize;
+                self.pool[place] = (line + sets * (1 + self.random.below(5))) % self.host_lines();
+                self.write(self.pool[place], false);
+            }
+            990..998 => {
+                for _ in 0..most.min(4) {
+                    self.read(line);
+                }
+                return most.min(4);
+            }
+            _ => self.text.extend_from_slice(b"flush\n"),
+        }
+        1
+    }
+
+    fn request(&mut self, name: u8, host: u64) {
+        self.text.extend_from_slice(&[name, b' ']);
+        hex::push_number(&mut self.text, host);
+        self.text.push(b' ');
+    }
+
+    /// Reads a few bytes of a line, now and then all of them.
+    fn read(&mut self, line: u64) {
+        let size = self.config.geometry.line().0;
+        let (offset, len) = match self.random.below(64) {
+            0 => (0, size),
+            1..4 => {
+                let offset = self.random.below(size);
+                (offset, 1 + self.random.below((size - offset).min(WARM_BYTES)))
+            }
+            _ => {
+                let offset = self.random.below(size.min(WARM_BYTES));
+                (offset, 1 + self.random.below((size - offset).min(4)))
+            }
+        };
+        self.request(b'r', line * size + offset);
+        hex::push_number(&mut self.text, len);
+        self.text.push(b'\n');
+    }
+
+    /// Writes bytes of a line; a part of them, or all that are read most often.
+    fn write(&mut self, line: u64, part: bool) {
+        let size = self.config.geometry.line().0.min(WARM_BYTES);
+        let offset = if part { self.random.below(size) } else { 0 };
+        let len = if part { 1 + self.random.below(size - offset) } else { size };
+        self.request(b'w', line * self.config.geometry.line().0 + offset);
+        for _ in 0..len {
+            let byte = self.random.bits() as u8;
+            hex::push_bytes(&mut self.text, &[byte]);
+        }
+        self.text.push(b'\n');
+    }
+
+    /// Invalidates a range that meets so many lines, from some byte of the first to one of the last.
+    fn invalidate(&mut self, line: u64, lines: u64) {
+        let size = self.config.geometry.line().0;
+        let begin = line * size + self.random.below(size);
+        let last = (line + lines - 1) * size + self.random.below(size);
+        self.request(b'i', begin);
+        let len = last.clamp(begin, (1 << 32) - 1) + 1 - begin;
+        hex::push_number(&mut self.text, len);
+        self.text.push(b'\n');
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::request::Request;
+    use super::*;
+
+    #[test]
+    fn sessions_are_legal_and_of_the_size_asked_for() {
+        for seed in 0..2 * CONFIGS.len() as u64 {
+            let config = config_of(seed);
+            let line = config::parse(config).expect("legal").geometry.line().0;
+            for count in [0, 1, 2, 300] {
+                let text = requests(config, seed, count);
+                let lines: Vec<_> = text.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()).collect();
+                assert_eq!(lines.len(), count, "{config}");
+                for request in lines {
+                    let parsed = Request::parse(request);
+                    assert!(parsed.is_ok_and(|request| request.fits(line)), "{config}: {parsed:?}");
+                }
+            }
+        }
+    }
+}

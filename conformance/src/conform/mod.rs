@@ -1,0 +1,4 @@
+//! What a conformance run found, for a person: as text and as a page.
+
+pub mod page;
+pub mod text;

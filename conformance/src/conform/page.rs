@@ -1,0 +1,62 @@
+//! The report as a page that needs no other file.
+
+use super::text::{notes, tables, verdict};
+use crate::table::escaped;
+use saarcor_kit::report::{Failure, Report};
+use std::fmt::Write as _;
+
+const STYLE: &str = concat!(include_str!("../page.css"), include_str!("page.css"));
+
+/// The page.
+#[must_use]
+pub fn html(report: &Report) -> String {
+    let failures: String = report.failures.iter().map(section).collect();
+    let mut sections = String::new();
+    for (caption, table) in tables(report) {
+        let _ = writeln!(sections, "<div class=\"scroll\">{}</div>", table.to_html(caption));
+    }
+    let notes: Vec<_> = notes(report).iter().map(|note| escaped(note)).collect();
+    let class = report.verdict.text().replace(' ', "-");
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n\
+         <title>Conformance of {}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n\
+         <h1>Conformance of {0}</h1>\n<p class=\"verdict {class}\">{}</p>\n<p>{}</p>\n{failures}{sections}\
+         </main>\n</body>\n</html>\n",
+        escaped(&report.dut),
+        escaped(&verdict(report)),
+        notes.join("<br>"),
+    )
+}
+
+/// A failure: its shortest requests, with the answer that is wrong.
+fn section(failure: &Failure) -> String {
+    let mut lines = String::new();
+    for line in &failure.minimal {
+        let text = escaped(line);
+        // The last that is asked is where it fails.
+        let _ = if *line == failure.asked { writeln!(lines, "<mark>{text}</mark>") } else { writeln!(lines, "{text}") };
+    }
+    let part = |name: &str, rows: &str| match rows {
+        "" => String::new(),
+        rows => format!("<dt>{name}</dt><dd><pre>{}</pre></dd>\n", escaped(rows)),
+    };
+    format!(
+        "<section>\n<h2>{} at level {}</h2>\n<p>{}</p>\n<p class=\"idea\">{} ({}, shrunk from {} requests to {})</p>\n\
+         <pre>{lines}</pre>\n<dl>\n{}{}{}{}{}{}</dl>\n</section>\n",
+        escaped(&failure.requirement),
+        failure.level,
+        escaped(&failure.says),
+        escaped(&failure.idea),
+        escaped(&failure.session),
+        failure.found_requests,
+        failure.minimal_requests,
+        part("asked", &failure.asked),
+        part("expected", &failure.expected),
+        part("got", if failure.got.is_empty() { "nothing" } else { &failure.got }),
+        part("state before", &failure.state_before.join("\n")),
+        part("stderr ends with", &failure.stderr),
+        part("run again", failure.replay.as_deref().unwrap_or_default()),
+    )
+}

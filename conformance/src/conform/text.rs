@@ -1,0 +1,85 @@
+//! The report as text.
+
+use crate::table::{Column, Table};
+use saarcor_kit::check::Checked;
+use saarcor_kit::judge::Finding;
+use saarcor_kit::report::Report;
+use std::fmt::Write as _;
+
+/// The levels, the requirements and the coverage as tables, with their captions.
+#[must_use]
+pub fn tables(report: &Report) -> [(&'static str, Table); 3] {
+    let mut levels = Table::new([Column::text("level"), Column::text("verdict")]);
+    for row in &report.levels {
+        levels.row([row.level.to_string(), row.verdict.text().to_owned()]);
+    }
+    let columns = [Column::text("requirement"), Column::number("sessions"), Column::number("failed")];
+    let mut requirements = Table::new(columns);
+    for row in &report.requirements {
+        requirements.row([row.requirement.clone(), row.sessions.to_string(), row.failed.to_string()]);
+    }
+    let mut coverage = Table::new([Column::text("exercised"), Column::number("cases"), Column::number("of")]);
+    for row in &report.coverage {
+        coverage.row([row.what.clone(), row.reached.to_string(), row.all.to_string()]);
+    }
+    [("Levels", levels), ("Requirements", requirements), ("Coverage of the small geometry", coverage)]
+}
+
+/// The verdict in a sentence.
+#[must_use]
+pub fn verdict(report: &Report) -> String {
+    let highest = report.highest.map_or("at no level".to_owned(), |level| format!("up to level {level}"));
+    format!("{} ({}): {}; agrees {highest}", report.dut, report.kind, report.verdict.text())
+}
+
+/// What was held, in sentences.
+#[must_use]
+pub fn notes(report: &Report) -> Vec<String> {
+    let mut notes = vec![format!("{} sessions, {} requests", report.sessions, report.requests)];
+    if report.random_seconds > 0.0 && report.random_requests > 0 {
+        let rate = report.random_requests as f64 / report.random_seconds / 1e6;
+        notes.push(format!("{} requests of random sessions, {rate:.2} million a second", report.random_requests));
+    }
+    for row in &report.unsupported {
+        notes.push(format!("not supported: {} ({} sessions)", row.key, row.sessions));
+    }
+    notes.extend(report.stopped.iter().map(|why| format!("stopped: {why}")));
+    notes
+}
+
+/// The report as text.
+#[must_use]
+pub fn text(report: &Report) -> String {
+    let mut text = format!("{}\n\n", verdict(report));
+    for (_, table) in tables(report) {
+        let _ = writeln!(text, "{table}\n");
+    }
+    for failure in &report.failures {
+        let _ = writeln!(text, "{}", failure.text());
+    }
+    for note in notes(report) {
+        let _ = writeln!(text, "{note}");
+    }
+    text
+}
+
+/// A difference in lines.
+#[must_use]
+pub fn finding(finding: &Finding) -> String {
+    let Finding { level, requirement, request, asked, expected, got, says } = finding;
+    let place = request.map_or_else(String::new, |request| format!("request {}, ", request + 1));
+    format!(
+        "{requirement} at level {level}: {place}'{asked}': {says}\n  expected  {expected}\n  got       {got}"
+    )
+}
+
+/// What answers come to, in a sentence.
+#[must_use]
+pub fn checked(checked: &Checked, session: &str) -> String {
+    let Checked { answered, highest, unsupported, .. } = checked;
+    match (unsupported, highest) {
+        (Some(key), _) => format!("{session}: {key} is not supported"),
+        (None, Some(level)) => format!("{session}: {answered} answers agree up to level {level}"),
+        (None, None) => format!("{session}: {answered} answers agree at no level"),
+    }
+}
