@@ -22,6 +22,8 @@ const BUFFER: usize = 1 << 16;
 const MAX_ANSWER: usize = 4 * crate::MAX_LINE_BYTES;
 /// Bytes of standard error that are kept: its end.
 const STDERR_KEPT: usize = 4096;
+/// Time to exit for a process that has closed its output too early: to learn its status.
+const EXIT_GRACE: Duration = Duration::from_millis(100);
 /// Time between two looks at a process that is about to exit.
 const EXIT_POLL: Duration = Duration::from_millis(1);
 
@@ -118,11 +120,19 @@ impl Running {
     fn start(process: &Process) -> Result<Self> {
         let mut command = shell(&process.command, process.folder.as_ref());
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let mut child = command.spawn().with_context(|| format!("'{}' cannot be started", process.command))?;
+        let mut child =
+            command.spawn().with_context(|| format!("'{}' cannot be started", process.command))?;
         let (stdin, stdout, stderr) = (child.stdin.take(), child.stdout.take(), child.stderr.take());
         let stdout = stdout.context("standard output of the implementation")?;
-        let running =
-            Self { child, stdin, stdout, stderr, answers: vec![0; BUFFER], pending: 0, stderr_tail: Vec::new() };
+        let running = Self {
+            child,
+            stdin,
+            stdout,
+            stderr,
+            answers: vec![0; BUFFER],
+            pending: 0,
+            stderr_tail: Vec::new(),
+        };
         nonblocking(&running.stdout)?;
         running.stdin.as_ref().map_or(Ok(()), nonblocking)?;
         running.stderr.as_ref().map_or(Ok(()), nonblocking)?;
@@ -239,6 +249,9 @@ impl Running {
 
     /// Standard output has ended: says so where answers lack, else waits for the exit.
     fn ended(&mut self, judge: &mut Judge<'_>, deadline: Instant) -> Option<Timeout> {
+        // After the end it has all of its time to exit. Before, only how it exits is still of interest.
+        let all_answered = judge.stage() == Stage::Ended && self.pending == 0;
+        let deadline = if all_answered { deadline } else { deadline.min(Instant::now() + EXIT_GRACE) };
         let mut exit = self.exit();
         while exit.is_none() && Instant::now() < deadline {
             std::thread::sleep(EXIT_POLL);

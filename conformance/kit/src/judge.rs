@@ -57,7 +57,7 @@ pub struct Judge<'a> {
 }
 
 impl<'a> Judge<'a> {
-    /// The judge of a session up to the level `highest`.
+    /// The judge of a session up to the level `highest`, or that of the session where it is lower.
     #[must_use]
     pub fn new(kind: &'a dyn Kind, session: &'a Session, highest: Level) -> Self {
         Self {
@@ -69,7 +69,7 @@ impl<'a> Judge<'a> {
             answered: 0,
             findings: Vec::new(),
             unsupported: None,
-            highest,
+            highest: session.level.map_or(highest, |level| level.min(highest)),
         }
     }
 
@@ -109,7 +109,8 @@ impl<'a> Judge<'a> {
     /// said so.
     #[must_use]
     pub fn observed(&self, level: Level) -> bool {
-        level == Level::Protocol || self.comparison.as_ref().is_some_and(|comparison| comparison.observed(level))
+        level == Level::Protocol
+            || self.comparison.as_ref().is_some_and(|comparison| comparison.observed(level))
     }
 
     /// Judges the next answer, a line without its newline, given how much of the session's text had

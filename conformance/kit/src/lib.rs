@@ -12,6 +12,7 @@
 //! | [`suites`] | the directed sessions |
 //! | [`kind`] | what is particular to a kind of implementation |
 //! | [`vm`] | `saarcor-vm`: the virtual memory |
+//! | [`hash`] | `saarcor-hash`: the set of a line |
 //! | [`hex`], [`random`] | numbers as text; the random sequence of a seed |
 //! | [`serve`] | an implementation in Rust, and the protocol around it |
 //! | [`judge`] | the judge of one conversation |
@@ -27,6 +28,7 @@ pub mod check;
 #[cfg(unix)]
 pub mod child;
 pub mod dut;
+pub mod hash;
 pub mod hex;
 pub mod judge;
 pub mod kind;
@@ -43,7 +45,7 @@ pub mod templates;
 pub mod vm;
 
 /// All kinds, in the order in which an implementation is asked for them.
-pub const KINDS: &[&dyn kind::Kind] = &[&vm::Vm];
+pub const KINDS: &[&dyn kind::Kind] = &[&vm::Vm, &hash::SetHash];
 
 /// The kind of that name.
 #[must_use]

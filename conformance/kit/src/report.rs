@@ -133,9 +133,12 @@ pub struct Failure {
     pub idea: String,
     /// What differs, in a sentence.
     pub says: String,
-    /// The shortest session that still fails, line by line.
+    /// The shortest session that still fails, as a suite file.
+    #[serde(skip)]
+    pub suite: Vec<u8>,
+    /// Its lines.
     pub minimal: Vec<String>,
-    /// Requests of it.
+    /// Its requests.
     pub minimal_requests: usize,
     /// Requests of the session that was shrunk, up to the one that fails.
     pub found_requests: usize,
@@ -189,7 +192,9 @@ impl Report {
                     TestCaseStatus::success()
                 } else {
                     let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-                    status.set_type("sessions").set_message(format!("{failed} of {rest} further sessions fail"));
+                    status
+                        .set_type("sessions")
+                        .set_message(format!("{failed} of {rest} further sessions fail"));
                     status
                 };
                 let mut case = TestCase::new(format!("{rest} sessions"), status);
@@ -215,7 +220,8 @@ impl Failure {
             self.minimal_requests, self.session, self.found_requests
         );
         self.minimal.iter().for_each(|line| text += &format!("    {line}\n"));
-        text += &format!("  asked     {}\n  expected  {}\n  got       {}\n", self.asked, self.expected, self.got);
+        text +=
+            &format!("  asked     {}\n  expected  {}\n  got       {}\n", self.asked, self.expected, self.got);
         if !self.state_before.is_empty() {
             text += "  before\n";
             self.state_before.iter().for_each(|row| text += &format!("    {row}\n"));

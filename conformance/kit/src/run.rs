@@ -143,26 +143,26 @@ struct Held {
     timeout: Option<Timeout>,
 }
 
-/// The kind of an implementation, by the hello that it answers.
+/// The kind of an implementation, by the hello that it answers; none where it answers none.
 ///
 /// # Errors
-/// Where it cannot be started, or answers none; the finding says what came instead.
-pub fn kind_of(dut: &dyn Dut) -> Result<Result<&'static dyn Kind, (Finding, Ending)>> {
-    let mut last = None;
+/// Where it cannot be started.
+pub fn kind_of(dut: &dyn Dut) -> Result<Option<&'static dyn Kind>> {
     for kind in crate::KINDS {
-        let session = Session::new("hello", kind.hello(), "", b"");
+        let session = default_suite(*kind, &Options { requests: 0, ..Options::default() })?;
+        let session = session.first().context("a kind has sessions")?.session(*kind);
         let mut judge = Judge::new(*kind, &session, Level::Protocol);
         let ending = dut.converse(&session, &mut judge)?;
-        let refused = judge.findings().first();
-        let Some(finding) = refused.filter(|finding| finding.asked == kind.hello()) else {
-            return Ok(Ok(*kind));
-        };
+        let refused = judge.findings().iter().find(|finding| finding.asked == kind.hello());
+        let Some(finding) = refused else { return Ok(Some(*kind)) };
         if let Some(named) = crate::KINDS.iter().find(|kind| kind.hello() == finding.got) {
-            return Ok(Ok(*named));
+            return Ok(Some(*named));
         }
-        last = Some((finding.clone(), ending));
+        if ending.timeout.is_some() {
+            break;
+        }
     }
-    Ok(Err(last.context("the kit has kinds")?))
+    Ok(None)
 }
 
 /// Holds all sessions, and says what was found. `progress` is told the part that is done.
@@ -211,7 +211,9 @@ pub fn run(
             break;
         }
         let failed = |held: &Held| !held.findings.is_empty();
-        if let Some((last, _)) = held.iter().enumerate().filter(|(_, held)| failed(held)).nth(options.errors.max(1) - 1) {
+        if let Some((last, _)) =
+            held.iter().enumerate().filter(|(_, held)| failed(held)).nth(options.errors.max(1) - 1)
+        {
             held.truncate(last + 1);
             if held.len() < planned.len() {
                 stopped = Some(format!("{} sessions fail", options.errors.max(1)));
@@ -296,7 +298,8 @@ fn failure(
             trouble.get_or_insert(error);
             return None;
         }
-        let same = |found: &&Finding| found.level == finding.level && found.requirement == finding.requirement;
+        let same =
+            |found: &&Finding| found.level == finding.level && found.requirement == finding.requirement;
         judge.findings().iter().find(same).cloned()
     };
     let hangs = held.timeout.is_some();
@@ -311,9 +314,13 @@ fn failure(
         return Err(error);
     }
     // A directed session is about its requirement, whatever differs; but for a conversation that
-    // breaks off.
+    // breaks off, unless it is about answers and their form.
     let requirement = match (&session.requirement, finding.level) {
-        (Some(requirement), level) if level > Level::Protocol => requirement.clone(),
+        (Some(about), level)
+            if level > Level::Protocol || (about.starts_with("P-") && finding.requirement == "P-5") =>
+        {
+            about.clone()
+        }
         _ => finding.requirement.to_owned(),
     };
     Ok(Failure {
@@ -323,6 +330,7 @@ fn failure(
         row: held.row.clone(),
         idea: session.idea.clone(),
         says: finding.says.clone(),
+        suite: minimal.to_suite(),
         minimal: String::from_utf8_lossy(minimal.text()).lines().map(str::to_owned).collect(),
         minimal_requests: minimal.requests().count(),
         found_requests: session.requests().count(),
@@ -381,18 +389,27 @@ impl Summary<'_> {
             requests: self.held.iter().map(|held| held.answered as u64).sum(),
             random_requests: random().map(|held| held.answered as u64).sum(),
             random_seconds,
-            stopped: stopped.or_else(|| slow.then(|| "some sessions reached the time limit".to_owned())),
+            stopped: stopped.or_else(|| {
+                slow.then(|| {
+                    "sessions reached the time limit: take fewer requests, or a longer limit".to_owned()
+                })
+            }),
         }
     }
 
     fn levels(&self) -> Vec<LevelVerdict> {
-        let lowest_failed = self.held.iter().flat_map(|held| &held.findings).map(|finding| finding.level).min();
+        let lowest_failed =
+            self.held.iter().flat_map(|held| &held.findings).map(|finding| finding.level).min();
         let verdict = |&level: &Level| {
             let verdict = if level > self.options.level {
                 AtLevel::NotAsked
             } else if lowest_failed.is_some_and(|failed| failed <= level) {
                 AtLevel::Failed
-            } else if self.held.iter().any(|held| held.observed.contains(&level) && held.unsupported.is_none()) {
+            } else if self
+                .held
+                .iter()
+                .any(|held| held.observed.contains(&level) && held.unsupported.is_none())
+            {
                 AtLevel::Passed
             } else {
                 AtLevel::NotObserved
@@ -423,6 +440,7 @@ impl Summary<'_> {
                 None => rows.push(Unsupported { key: key.to_owned(), sessions: 1 }),
             }
         }
+        rows.sort_unstable_by(|a, b| a.key.cmp(&b.key));
         rows
     }
 

@@ -1,5 +1,6 @@
 //! A session: one conversation with an implementation, as the text that is sent to it.
 
+use crate::level::Level;
 use memchr::memchr;
 use std::fmt;
 use std::ops::Range;
@@ -14,6 +15,8 @@ pub struct Session {
     pub name: String,
     /// The requirement that it is about; none where it is about all.
     pub requirement: Option<String>,
+    /// The level up to which it is judged: what its requirement can be seen at. None: all.
+    pub level: Option<Level>,
     /// Its idea in a sentence.
     pub idea: String,
     text: Vec<u8>,
@@ -49,11 +52,20 @@ impl Session {
         let body = text.len()..text.len() + requests.len();
         text.extend_from_slice(requests);
         text.extend_from_slice(b"end\n");
-        Self { name: name.to_owned(), requirement: None, idea: String::new(), text, hello, config, body }
+        Self {
+            name: name.to_owned(),
+            requirement: None,
+            level: None,
+            idea: String::new(),
+            text,
+            hello,
+            config,
+            body,
+        }
     }
 
     /// The sessions of a suite file: one for its configuration, and one for each line
-    /// `#: also KEY=VALUE ..`, which replaces some of it. `#: REQUIREMENT IDEA` says what it is about.
+    /// `#: also KEY=VALUE ..`, which replaces some of it. `#: REQUIREMENT LEVEL IDEA` says what it is about.
     ///
     /// # Errors
     /// Where the text is no session: it lacks the hello, the configuration or the end.
@@ -61,7 +73,8 @@ impl Session {
         let mut about = Vec::new();
         let mut also = Vec::new();
         let mut lines = suite.lines().zip(1..).peekable();
-        while let Some((line, _)) = lines.next_if(|(line, _)| line.trim().is_empty() || line.starts_with('#')) {
+        while let Some((line, _)) = lines.next_if(|(line, _)| line.trim().is_empty() || line.starts_with('#'))
+        {
             let Some(said) = line.strip_prefix(ABOUT).map(str::trim) else { continue };
             match said.strip_prefix("also ") {
                 Some(changes) => also.push(changes),
@@ -70,12 +83,17 @@ impl Session {
         }
         let wrong = |line, says: &str| SessionError { line, says: says.to_owned() };
         let Some((hello, _)) = lines.next() else {
-            return Err(wrong(suite.lines().count(), "no session; the first request is a hello, such as 'saarcor-vm 1'"));
+            return Err(wrong(
+                suite.lines().count(),
+                "no session; the first request is a hello, such as 'saarcor-vm 1'",
+            ));
         };
         let (config, _) = lines
             .next()
             .and_then(|(line, number)| Some((line.strip_prefix("config ")?, number)))
-            .ok_or_else(|| wrong(about.len() + also.len() + 2, "'config KEY=VALUE ..' has to follow the hello"))?;
+            .ok_or_else(|| {
+                wrong(about.len() + also.len() + 2, "'config KEY=VALUE ..' has to follow the hello")
+            })?;
         let mut requests = String::new();
         let mut ended = false;
         for (line, number) in lines {
@@ -92,9 +110,13 @@ impl Session {
             return Err(wrong(suite.lines().count(), "the session lacks its 'end'"));
         }
         let about = about.join(" ");
-        let (requirement, idea) = about.split_once(' ').unwrap_or((&about, ""));
+        let (requirement, rest) = about.split_once(' ').unwrap_or((&about, ""));
+        let (level, idea) = rest.split_once(' ').unwrap_or((rest, ""));
+        let level = Level::ALL.into_iter().find(|known| known.name() == level);
+        let idea = if level.is_some() { idea } else { rest };
         let session = |name: &str, config: &str| Self {
             requirement: (!requirement.is_empty()).then(|| requirement.to_owned()),
+            level,
             idea: idea.to_owned(),
             ..Self::new(name, hello, config, requests.as_bytes())
         };
@@ -116,7 +138,9 @@ impl Session {
     #[must_use]
     pub fn to_suite(&self) -> Vec<u8> {
         let requirement = self.requirement.as_deref().unwrap_or_default();
-        let mut suite = match format!("{requirement} {}", self.idea).trim() {
+        let level = self.level.map_or("", Level::name);
+        let about = [requirement, level, &self.idea].into_iter().filter(|word| !word.is_empty());
+        let mut suite = match about.collect::<Vec<_>>().join(" ").as_str() {
             "" => String::new(),
             about => format!("{ABOUT} {about}\n"),
         }
@@ -184,8 +208,8 @@ impl Session {
     }
 
     fn with(&self, config: &str, body: &[u8]) -> Self {
-        let (requirement, idea) = (self.requirement.clone(), self.idea.clone());
-        Self { requirement, idea, ..Self::new(&self.name, self.hello(), config, body) }
+        let (requirement, level, idea) = (self.requirement.clone(), self.level, self.idea.clone());
+        Self { requirement, level, idea, ..Self::new(&self.name, self.hello(), config, body) }
     }
 }
 
@@ -197,9 +221,9 @@ fn is_asked(line: &[u8]) -> bool {
 /// `config` with some of its values replaced.
 fn changed(config: &str, changes: &str) -> String {
     let key = |word: &str| word.split('=').next().map(str::to_owned);
-    let words = config.split_ascii_whitespace().map(|word| {
-        changes.split_ascii_whitespace().find(|change| key(change) == key(word)).unwrap_or(word)
-    });
+    let words = config
+        .split_ascii_whitespace()
+        .map(|word| changes.split_ascii_whitespace().find(|change| key(change) == key(word)).unwrap_or(word));
     words.collect::<Vec<_>>().join(" ")
 }
 
@@ -227,7 +251,7 @@ impl<'a> Iterator for Lines<'a> {
 mod tests {
     use super::*;
 
-    const SUITE: &str = "#: VM-3 Upper bits\n#: are added.\n#: also policy=fifo ways=2\nsaarcor-vm 1\n\
+    const SUITE: &str = "#: VM-3 state Upper bits\n#: are added.\n#: also policy=fifo ways=2\nsaarcor-vm 1\n\
                          config ways=4 policy=lru\nr 0 1\n# why\nflush\nend\n";
 
     #[test]
@@ -235,7 +259,10 @@ mod tests {
         let sessions = Session::parse("vm/x", SUITE).expect("a suite");
         let names: Vec<_> = sessions.iter().map(|session| session.name.as_str()).collect();
         assert_eq!(names, ["vm/x", "vm/x@policy=fifo,ways=2"]);
-        assert_eq!(sessions[0].requirement.as_deref(), Some("VM-3"));
+        assert_eq!(
+            (sessions[0].requirement.as_deref(), sessions[0].level),
+            (Some("VM-3"), Some(Level::State))
+        );
         assert_eq!(sessions[0].idea, "Upper bits are added.");
         assert_eq!((sessions[0].hello(), sessions[1].config()), ("saarcor-vm 1", "ways=2 policy=fifo"));
         assert_eq!(sessions[0].requests().collect::<Vec<_>>(), [&b"r 0 1"[..], b"flush"]);

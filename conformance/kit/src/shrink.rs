@@ -12,7 +12,12 @@ pub type Fails<'a> = dyn FnMut(&Session) -> Option<Finding> + 'a;
 
 /// A session that fails like `session` and from which no single request can be left out, in the
 /// simplest configuration that was found.
-pub fn shrink(kind: &dyn Kind, session: &Session, finding: &Finding, fails: &mut Fails<'_>) -> (Session, Finding) {
+pub fn shrink(
+    kind: &dyn Kind,
+    session: &Session,
+    finding: &Finding,
+    fails: &mut Fails<'_>,
+) -> (Session, Finding) {
     let requests = session.requests().map(<[u8]>::to_vec).collect();
     let mut shrinking =
         Shrinking { kind, session: session.clone(), requests, finding: finding.clone(), fails, tries: 0 };

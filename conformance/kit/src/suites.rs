@@ -13,10 +13,13 @@ macro_rules! suites {
 /// Suites of `saarcor-vm`.
 pub const VM: &[(&str, &str)] = suites![
     "vm/hello-and-end",
-    "vm/comments",
     "vm/one-answer-a-request",
+    "vm/comments",
     "vm/line-is-one-access",
     "vm/memory-holds-its-lines",
+    "vm/free-ways-in-order",
+    "vm/tag-has-every-bit",
+    "vm/evicted-address",
     "vm/offset-on-the-card",
     "vm/set-on-the-card",
     "vm/ways-on-the-card",
@@ -25,18 +28,17 @@ pub const VM: &[(&str, &str)] = suites![
     "vm/hash-drops-the-carry",
     "vm/hash-adds-all-upper-bits",
     "vm/hash-adds-once",
-    "vm/hash-spreads-strides",
     "vm/hash-of-one-set",
-    "vm/tag-has-every-bit",
+    "vm/hash-spreads-strides",
     "vm/tag-with-the-hash",
-    "vm/free-ways-in-order",
-    "vm/free-way-after-invalidation",
-    "vm/free-way-before-a-victim",
-    "vm/look-up-before-a-free-way",
-    "vm/line-lies-where-it-was-loaded",
+    "vm/unwritten-is-zero",
+    "vm/bytes-are-the-hosts",
+    "vm/load-moves-the-whole-line",
+    "vm/lines-lie-apart",
+    "vm/write-across-lines",
+    "vm/pushed-out-line-is-loaded-anew",
     "vm/hit-while-resident",
     "vm/miss-after-eviction",
-    "vm/evicted-address",
     "vm/lru-victim",
     "vm/lru-hit-makes-youngest",
     "vm/lru-all-orders",
@@ -52,17 +54,27 @@ pub const VM: &[(&str, &str)] = suites![
     "vm/invalidate-in-the-last-way",
     "vm/invalidate-many-lines",
     "vm/invalidate-up-to-the-end",
-    "vm/invalidate-keeps-the-order",
     "vm/flush",
-    "vm/bytes-are-the-hosts",
-    "vm/lines-lie-apart",
+    "vm/look-up-before-a-free-way",
+    "vm/line-lies-where-it-was-loaded",
+    "vm/free-way-after-invalidation",
+    "vm/free-way-before-a-victim",
+    "vm/invalidate-keeps-the-order",
     "vm/write-and-invalidate",
     "vm/write-without-invalidation",
-    "vm/pushed-out-line-is-loaded-anew",
-    "vm/write-across-lines",
-    "vm/load-moves-the-whole-line",
-    "vm/unwritten-is-zero",
     "vm/last-byte-of-the-addresses",
+];
+
+/// Suites of `saarcor-hash`.
+pub const HASH: &[(&str, &str)] = suites![
+    "hash/hello-and-end",
+    "hash/lower-bits",
+    "hash/low-leaves-upper-bits-out",
+    "hash/upper-bits-are-added",
+    "hash/carry-is-dropped",
+    "hash/added-once-or-all",
+    "hash/top-bits",
+    "hash/one-set",
 ];
 
 #[cfg(test)]
@@ -87,7 +99,8 @@ mod tests {
         for kind in std::fs::read_dir(folder).expect("the suites") {
             let kind = kind.expect("a folder");
             for file in std::fs::read_dir(kind.path()).expect("a folder") {
-                let name = format!("{}/{}", kind.file_name().display(), file.expect("a file").file_name().display());
+                let name =
+                    format!("{}/{}", kind.file_name().display(), file.expect("a file").file_name().display());
                 assert!(listed.remove(&name), "{name} is not listed");
             }
         }

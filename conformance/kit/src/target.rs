@@ -12,6 +12,9 @@ use std::time::Duration;
 /// Seconds that a session may take where nothing is said (Assumed).
 pub const TIME_LIMIT: f64 = 10.0;
 
+/// Seconds to answer a hello, before a kind is assumed.
+const PROBE_LIMIT: f64 = 1.0;
+
 /// Seconds that a build may take.
 const BUILD_LIMIT: Duration = Duration::from_secs(600);
 
@@ -70,8 +73,6 @@ fn known_kinds() -> String {
 
 /// An implementation to be run.
 pub struct Target {
-    /// As the person named it.
-    pub name: String,
     /// Its kind, where it is known; else its hello tells.
     pub kind: Option<&'static dyn Kind>,
     /// Programs that it needs and that are not there.
@@ -80,6 +81,8 @@ pub struct Target {
     pub requests: Option<usize>,
     /// The implementation.
     pub dut: Box<dyn Dut>,
+    /// The same, with little time: to be asked for its kind.
+    pub probe: Box<dyn Dut>,
     build: Option<(String, PathBuf)>,
 }
 
@@ -95,16 +98,17 @@ impl Target {
             "naive" => Some(Oracle::Naive),
             _ => None,
         };
-        let target = |kind, dut| Self {
-            name: name.to_owned(),
-            kind,
+        let target = |dut: Box<dyn Dut>, probe: Box<dyn Dut>| Self {
+            kind: None,
             missing: Vec::new(),
             requests: None,
             dut,
+            probe,
             build: None,
         };
         if let Some(oracle) = oracle {
-            return Ok(target(Some(crate::KINDS[0]), Box::new(InProcess::oracle(oracle))));
+            let dut = || Box::new(InProcess::oracle(oracle));
+            return Ok(target(dut(), dut()));
         }
         let folder = Path::new(name);
         if !folder.is_dir() {
@@ -112,7 +116,8 @@ impl Target {
                 bail!("no implementation: name a folder with dut.toml, or a command line");
             }
             let limit = time_limit.unwrap_or(TIME_LIMIT);
-            return Ok(target(None, process(name.to_owned(), None, limit)?));
+            let process = |limit| process(name.to_owned(), None, limit);
+            return Ok(target(process(limit)?, process(limit.min(PROBE_LIMIT))?));
         }
         let path = folder.join("dut.toml");
         let text = std::fs::read_to_string(&path)
@@ -120,11 +125,11 @@ impl Target {
         let file = DutFile::parse(&text).with_context(|| path.display().to_string())?;
         let limit = time_limit.unwrap_or(file.time_limit);
         Ok(Self {
-            name: name.to_owned(),
             kind: kind_named(&file.kind),
             missing: file.needs.into_iter().filter(|program| !is_there(program)).collect(),
             requests: file.requests,
-            dut: process(file.command, Some(folder.to_owned()), limit)?,
+            dut: process(file.command.clone(), Some(folder.to_owned()), limit)?,
+            probe: process(file.command, Some(folder.to_owned()), limit.min(PROBE_LIMIT))?,
             build: file.build.map(|build| (build, folder.to_owned())),
         })
     }
@@ -148,7 +153,11 @@ impl Target {
             }
             if began.elapsed() > BUILD_LIMIT {
                 crate::child::kill_group(&mut child);
-                bail!("build '{command}' in {}: not done within {} s", folder.display(), BUILD_LIMIT.as_secs());
+                bail!(
+                    "build '{command}' in {}: not done within {} s",
+                    folder.display(),
+                    BUILD_LIMIT.as_secs()
+                );
             }
             std::thread::sleep(Duration::from_millis(5));
         };

@@ -23,8 +23,13 @@ macro_rules! template {
 }
 
 /// All templates.
-pub const TEMPLATES: &[Template] =
-    &[template!("c": "cache.c", "dut.toml"), template!("python": "cache.py", "dut.toml")];
+pub const TEMPLATES: &[Template] = &[
+    template!("c": "cache.c", "dut.toml"),
+    template!("python": "cache.py", "dut.toml"),
+    template!("hash": "set_of.py", "dut.toml"),
+    template!("verilog": "cache.v", "bench.v", "serve", "dut.toml"),
+    template!("rust": "Cargo.toml", "src/lib.rs", "src/main.rs", "tests/conforms.rs", "dut.toml"),
+];
 
 /// A fault that a maker may make: one line of a template.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -57,7 +62,8 @@ struct FaultFile {
 /// # Errors
 /// Where the file is wrong: a fault of the kit.
 pub fn faults() -> Result<Vec<Fault>> {
-    let file: FaultFile = toml::from_str(include_str!("../../duts/broken/faults.toml")).context("faults.toml")?;
+    let file: FaultFile =
+        toml::from_str(include_str!("../../duts/broken/faults.toml")).context("faults.toml")?;
     Ok(file.fault)
 }
 
@@ -65,7 +71,12 @@ impl Template {
     /// The files by their paths.
     #[must_use]
     pub fn files(&self) -> Vec<(&'static str, String)> {
-        self.files.iter().map(|(name, text)| (*name, (*text).to_owned())).collect()
+        // A copy lies elsewhere, and finds the kit where it was when the kit was built.
+        let kit = |text: &str| {
+            text.replace("\"../../kit\"", concat!("\"", env!("CARGO_MANIFEST_DIR"), "\""))
+                .replace("\"../../../model\"", concat!("\"", env!("CARGO_MANIFEST_DIR"), "/../../model\""))
+        };
+        self.files.iter().map(|(name, text)| (*name, kit(text))).collect()
     }
 
     /// The files with a fault in one of them.
@@ -99,9 +110,10 @@ mod tests {
         let names: BTreeSet<_> = faults.iter().map(|fault| &fault.name).collect();
         assert!(faults.len() >= 30 && names.len() == faults.len());
         for fault in faults {
-            let template = TEMPLATES.iter().find(|template| template.name == fault.template).expect("a template");
+            let template =
+                TEMPLATES.iter().find(|template| template.name == fault.template).expect("a template");
             let files = template.with_fault(&fault).expect(&fault.name);
-            assert!(files != template.files());
+            assert_ne!(files, template.files());
         }
     }
 

@@ -36,7 +36,11 @@ fn section(failure: &Failure) -> String {
     for line in &failure.minimal {
         let text = escaped(line);
         // The last that is asked is where it fails.
-        let _ = if *line == failure.asked { writeln!(lines, "<mark>{text}</mark>") } else { writeln!(lines, "{text}") };
+        let _ = if *line == failure.asked {
+            writeln!(lines, "<mark>{text}</mark>")
+        } else {
+            writeln!(lines, "{text}")
+        };
     }
     let part = |name: &str, rows: &str| match rows {
         "" => String::new(),

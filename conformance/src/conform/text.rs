@@ -38,7 +38,10 @@ pub fn notes(report: &Report) -> Vec<String> {
     let mut notes = vec![format!("{} sessions, {} requests", report.sessions, report.requests)];
     if report.random_seconds > 0.0 && report.random_requests > 0 {
         let rate = report.random_requests as f64 / report.random_seconds / 1e6;
-        notes.push(format!("{} requests of random sessions, {rate:.2} million a second", report.random_requests));
+        notes.push(format!(
+            "{} requests of random sessions, {rate:.2} million a second",
+            report.random_requests
+        ));
     }
     for row in &report.unsupported {
         notes.push(format!("not supported: {} ({} sessions)", row.key, row.sessions));

@@ -12,11 +12,13 @@ use saarcor_kit::check::check;
 use saarcor_kit::kind::Kind;
 use saarcor_kit::level::Level;
 use saarcor_kit::report::{Report, Verdict};
-use saarcor_kit::run::{ERRORS, Options, Planned, RANDOM_REQUESTS, default_suite, kind_of, run, sessions_named};
+use saarcor_kit::run::{
+    ERRORS, Options, Planned, RANDOM_REQUESTS, default_suite, kind_of, run, sessions_named,
+};
 use saarcor_kit::session::Session;
 use saarcor_kit::target::Target;
 use saarcor_kit::templates::{TEMPLATES, faults};
-use saarcor_kit::{KINDS, child};
+use saarcor_kit::{KINDS, child, kind_named};
 use std::fs;
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -64,6 +66,9 @@ struct RunArgs {
     /// A folder with dut.toml, a command line in quotes, or 'model' or 'naive'
     #[arg(value_name = "DUT")]
     dut: String,
+    /// The kind, for a command line that speaks several [default: what dut.toml says, else the first it answers]
+    #[arg(long, value_parser = PossibleValuesParser::new(KINDS.iter().map(|kind| kind.name())))]
+    kind: Option<String>,
     /// The highest level to judge [default: all that the implementation observes]
     #[arg(long, value_parser = levels())]
     level: Option<Level>,
@@ -109,7 +114,8 @@ impl RunArgs {
         if !target.missing.is_empty() {
             let missing = target.missing.join(", ");
             // An error that is no bad input; where standard error is closed, the status has to do.
-            let _ = writeln!(std::io::stderr(), "saarcor: {}: needs {missing}, not found in the path", self.dut);
+            let _ =
+                writeln!(std::io::stderr(), "saarcor: {}: needs {missing}, not found in the path", self.dut);
             return Ok(Status::Incomplete);
         }
         child::adopt_strays();
@@ -150,13 +156,10 @@ impl RunArgs {
         progress: &Progress,
     ) -> Result<Report> {
         let dut = &*target.dut;
-        let kind = match target.kind {
+        let kind = match self.kind.as_deref().and_then(kind_named).or(target.kind) {
             Some(kind) => kind,
-            None => match kind_of(dut)? {
-                Ok(kind) => kind,
-                // It answers no hello: the report of its first kind says so.
-                Err(_) => KINDS[0],
-            },
+            // One that answers no hello fails at it, whatever the kind.
+            None => kind_of(&*target.probe)?.unwrap_or(KINDS[0]),
         };
         let highest = kind.levels().last().copied().unwrap_or(Level::Protocol);
         let options = Options {
@@ -167,7 +170,12 @@ impl RunArgs {
         };
         let mut planned = Vec::new();
         for (of, sessions) in named {
-            ensure!(of.name() == kind.name(), "a suite of {} for an implementation of {}", of.name(), kind.name());
+            ensure!(
+                of.name() == kind.name(),
+                "a suite of {} for an implementation of {}",
+                of.name(),
+                kind.name()
+            );
             planned.extend(sessions.into_iter().map(|session| Planned::Directed(Box::new(session))));
         }
         if planned.is_empty() {
@@ -181,14 +189,19 @@ impl RunArgs {
     /// Writes the shortest sessions that fail, and the commands that run them again.
     fn keep_minimal(&self, report: &mut Report) -> Result<()> {
         for (failure, number) in report.failures.iter_mut().zip(1..) {
-            fs::create_dir_all(&self.keep).with_context(|| format!("{}: cannot be made", self.keep.display()))?;
-            let name = format!("{number}-{}-{}.txt", failure.requirement, failure.session.replace(['/', '@'], "-"));
-            let path = self.keep.join(name.replace(|c: char| !(c.is_ascii_alphanumeric() || "-._=,".contains(c)), "-"));
-            let about = format!("#: {} {}\n", failure.requirement, failure.idea);
-            let text = format!("{}\n{}\n", about.trim_end(), failure.minimal.join("\n"));
-            OutFile::check(&path)?.write(|out| Ok(out.write_all(text.as_bytes())?))?;
-            failure.replay =
-                Some(format!("saarcor conform run {} --suite {}", quoted(&self.dut), quoted(&path.display().to_string())));
+            fs::create_dir_all(&self.keep)
+                .with_context(|| format!("{}: cannot be made", self.keep.display()))?;
+            let name =
+                format!("{number}-{}-{}.txt", failure.requirement, failure.session.replace(['/', '@'], "-"));
+            let path = self
+                .keep
+                .join(name.replace(|c: char| !(c.is_ascii_alphanumeric() || "-._=,".contains(c)), "-"));
+            OutFile::check(&path)?.write(|out| Ok(out.write_all(&failure.suite)?))?;
+            failure.replay = Some(format!(
+                "saarcor conform run {} --suite {}",
+                quoted(&self.dut),
+                quoted(&path.display().to_string())
+            ));
         }
         Ok(())
     }
@@ -274,7 +287,8 @@ impl CheckArgs {
         if self.answers == Path::new("-") {
             std::io::stdin().lock().read_to_end(&mut answers).context("standard input cannot be read")?;
         } else {
-            answers = fs::read(&self.answers).with_context(|| format!("{}: cannot be read", self.answers.display()))?;
+            answers = fs::read(&self.answers)
+                .with_context(|| format!("{}: cannot be read", self.answers.display()))?;
         }
         let checked = check(kind, &session, &answers, self.level);
         let mut out = Stdout::new();

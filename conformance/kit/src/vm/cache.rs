@@ -46,6 +46,7 @@ pub type MakeCache = dyn Fn(&CacheConfig) -> Result<Box<dyn Cache>, Unsupported>
 /// A cache that speaks `saarcor-vm`.
 pub struct CacheServed {
     cache: Box<dyn Cache>,
+    line_bytes: u64,
     /// What is shown of each answer.
     pub observes: Observes,
     bytes: Vec<u8>,
@@ -58,7 +59,8 @@ impl CacheServed {
     /// The key that is not supported.
     pub fn new(config: &str, make: &MakeCache) -> Result<Self, Unsupported> {
         let config = config::parse(config).map_err(Unsupported)?;
-        Ok(Self { cache: make(&config)?, observes: Observes::ALL, bytes: Vec::new() })
+        let line_bytes = config.geometry.line().0;
+        Ok(Self { cache: make(&config)?, line_bytes, observes: Observes::ALL, bytes: Vec::new() })
     }
 
     fn read(&mut self, host: u32, len: u32, answer: &mut Vec<u8>) {
@@ -97,7 +99,11 @@ impl Served for CacheServed {
 
     #[inline]
     fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), &'static str> {
-        match Request::parse(request)? {
+        let request = Request::parse(request)?;
+        if !request.fits(self.line_bytes) {
+            return Err("a read lies within one line");
+        }
+        match request {
             Request::Read { host, len } => self.read(host, len, answer),
             other => {
                 play(&mut *self.cache, &other, &mut self.bytes);

@@ -235,7 +235,10 @@ impl Careful {
             let ((set, way, offset), (right_set, right_way, right_offset)) = (place(card), place(right_card));
             if card >= geometry.memory().0 {
                 let memory = geometry.memory().0;
-                return differs("VM-11", format!("address {card:x} is beyond the memory of {memory:x} bytes"));
+                return differs(
+                    "VM-11",
+                    format!("address {card:x} is beyond the memory of {memory:x} bytes"),
+                );
             }
             if offset != right_offset {
                 return differs("VM-11", format!("offset {offset:x} in the line; {right_offset:x} is right"));

@@ -151,7 +151,8 @@ mod tests {
 
     #[test]
     fn simpler_configurations_end() {
-        let mut config = parse("line=128 lines=65536 ways=4 hash=add-upper policy=plru").expect("the paper's");
+        let mut config =
+            parse("line=128 lines=65536 ways=4 hash=add-upper policy=plru").expect("the paper's");
         while let Some(next) = simpler(&config).last() {
             config = *next;
         }

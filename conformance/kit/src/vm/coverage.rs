@@ -36,7 +36,8 @@ impl SmallGeometry {
     /// Nothing is exercised yet.
     #[must_use]
     pub fn new() -> Self {
-        let policies = config::POLICIES.iter().map(|&(_, policy)| (policy, all_cases(policy), BTreeSet::new()));
+        let policies =
+            config::POLICIES.iter().map(|&(_, policy)| (policy, all_cases(policy), BTreeSet::new()));
         Self { policies: policies.collect() }
     }
 }
@@ -69,8 +70,11 @@ impl Coverage for SmallGeometry {
                 Request::Invalidate { host, len } => {
                     let lines = config.lines_of(HostAddr(host), len.min(END_OF_ADDRESSES));
                     for (index, set) in before.iter().enumerate() {
-                        let met = (0..WAYS).filter(|&way| set.resident[way] && lines.contains(&u64::from(set.lines[way].0)));
-                        reached.extend(met.map(|way| (index, (way, Event::IsInvalidated, set.order, set.order))));
+                        let met = (0..WAYS)
+                            .filter(|&way| set.resident[way] && lines.contains(&u64::from(set.lines[way].0)));
+                        reached.extend(
+                            met.map(|way| (index, (way, Event::IsInvalidated, set.order, set.order))),
+                        );
                     }
                 }
                 Request::Write { .. } | Request::Flush => {}

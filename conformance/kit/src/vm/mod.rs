@@ -52,9 +52,8 @@ impl Kind for Vm {
         let config = config::parse(session.config()).map_err(|wrong| format!("config: {wrong}"))?;
         for (request, number) in session.requests().zip(1..) {
             let line = config.geometry.line().0;
-            let wrong = |right: &str| {
-                format!("request {number}, '{}': {right}", String::from_utf8_lossy(request))
-            };
+            let wrong =
+                |right: &str| format!("request {number}, '{}': {right}", String::from_utf8_lossy(request));
             if !Request::parse(request).map_err(wrong)?.fits(line) {
                 return Err(wrong(&format!("a read lies within one line of {line} bytes")));
             }
@@ -131,7 +130,8 @@ fn shown<const WAYS: usize>(config: CacheConfig, before: &[&[u8]], host: u32) ->
     }
     let set: &Set<WAYS> = cache.set_of(HostAddr(host));
     let line = config.geometry.line_of(HostAddr(host));
-    let mut rows = vec![format!("line {:x} of address {host:x} belongs to set {:x}", line.0, config.set_of(line).0)];
+    let mut rows =
+        vec![format!("line {:x} of address {host:x} belongs to set {:x}", line.0, config.set_of(line).0)];
     for way in 0..WAYS {
         rows.push(if set.resident[way] {
             let first_byte = config.geometry.first_byte(set.lines[way]);

@@ -105,15 +105,15 @@ impl Writer {
     fn step(&mut self, most: usize) -> usize {
         let line = self.random.pick(&self.pool);
         match self.random.below(1000) {
-            0..900 => self.read(line),
-            900..930 => {
+            0..850 => self.read(line),
+            850..890 => {
                 self.write(line, true);
                 if most > 1 && self.random.percent(75) {
                     self.invalidate(line, 1);
                     return 2;
                 }
             }
-            930..970 => {
+            890..970 => {
                 let lines = 1 + self.random.below(3);
                 self.invalidate(line, lines);
             }
@@ -197,7 +197,8 @@ mod tests {
             let line = config::parse(config).expect("legal").geometry.line().0;
             for count in [0, 1, 2, 300] {
                 let text = requests(config, seed, count);
-                let lines: Vec<_> = text.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()).collect();
+                let lines: Vec<_> =
+                    text.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()).collect();
                 assert_eq!(lines.len(), count, "{config}");
                 for request in lines {
                     let parsed = Request::parse(request);

@@ -169,7 +169,9 @@ impl<'a> ReadAnswer<'a> {
     pub fn parse(line: &'a [u8], len: u32, observes: Observes) -> Result<Self, String> {
         let mut words = line.split(|&byte| byte == b' ').filter(|word| !word.is_empty());
         let mut word = || words.next().unwrap_or_default();
-        let form = || "'h CARD DATA' or 'm CARD EVICTED DATA' is right, with '-' for what is not observed".to_owned();
+        let form = || {
+            "'h CARD DATA' or 'm CARD EVICTED DATA' is right, with '-' for what is not observed".to_owned()
+        };
         let letter = word();
         let (first, second, third) = (word(), word(), word());
         let (card, evicted, data) = match (letter, third.is_empty()) {
@@ -195,7 +197,11 @@ impl<'a> ReadAnswer<'a> {
             b"-" if observes.data => return Err("DATA is '-', though it is observed".to_owned()),
             b"-" => None,
             digits if digits.len() as u64 != 2 * u64::from(len) => {
-                return Err(format!("DATA has {} digits; {len} bytes have {}", digits.len(), 2 * u64::from(len)));
+                return Err(format!(
+                    "DATA has {} digits; {len} bytes have {}",
+                    digits.len(),
+                    2 * u64::from(len)
+                ));
             }
             digits if !digits.iter().all(u8::is_ascii_hexdigit) => {
                 return Err("DATA is not hex".to_owned());
@@ -218,14 +224,32 @@ mod tests {
     #[test]
     fn requests_read_back() {
         for text in ["r 1f 4", "w ffffffff 00", "i 0 100000000", "flush"] {
-            assert_eq!(Request::parse(text.as_bytes()).map(|request| request.to_string()), Ok(text.to_owned()));
+            assert_eq!(
+                Request::parse(text.as_bytes()).map(|request| request.to_string()),
+                Ok(text.to_owned())
+            );
         }
     }
 
     #[test]
     fn what_is_no_request_is_told() {
-        for text in ["", "R 0 1", "r 0", "r 0 1 2", "r 100000000 1", "w 0", "w 0 1", "w 0 0g", "w ffffffff 0000",
-                     "i 1 100000000", "i 0", "i 0 0", "flush 1", "end", "r 0x1 1"] {
+        for text in [
+            "",
+            "R 0 1",
+            "r 0",
+            "r 0 1 2",
+            "r 100000000 1",
+            "w 0",
+            "w 0 1",
+            "w 0 0g",
+            "w ffffffff 0000",
+            "i 1 100000000",
+            "i 0",
+            "i 0 0",
+            "flush 1",
+            "end",
+            "r 0x1 1",
+        ] {
             assert!(Request::parse(text.as_bytes()).is_err(), "{text}");
         }
         let fits = |host, len| Request::Read { host, len }.fits(16);
@@ -246,8 +270,21 @@ mod tests {
         for text in ["- - 00", "- - - 00", "h - 00", "m 3 4 00"] {
             assert_eq!(parse(text, "data"), Ok(nothing), "{text}");
         }
-        for text in ["", "h", "ok", "h - 00", "h 0 0", "h 0 0000", "h 0 -", "h 0 gg", "m 0 00", "h 0 - 00", "- 0 00",
-                     "m x - 00", "m 0 - 00 0"] {
+        for text in [
+            "",
+            "h",
+            "ok",
+            "h - 00",
+            "h 0 0",
+            "h 0 0000",
+            "h 0 -",
+            "h 0 gg",
+            "m 0 00",
+            "h 0 - 00",
+            "- 0 00",
+            "m x - 00",
+            "m 0 - 00 0",
+        ] {
             assert!(parse(text, all).is_err(), "{text}");
         }
         assert!(Observes::parse("data,hits").is_err_and(|says| says.contains("hits")));

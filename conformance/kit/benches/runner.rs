@@ -1,0 +1,54 @@
+//! Requests a second: the runner alone, with answers that are there already, and with the model and
+//! the naive reference in process. One thread; making the sessions counts.
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use saarcor_kit::dut::{Dut, Ending, InProcess};
+use saarcor_kit::judge::Judge;
+use saarcor_kit::kind::{Kind as _, Oracle};
+use saarcor_kit::level::Level;
+use saarcor_kit::serve::serve;
+use saarcor_kit::session::Session;
+use saarcor_kit::vm::Vm;
+
+const REQUESTS: usize = 50_000;
+/// A session of the standard configuration.
+const SEED: u64 = 3;
+
+/// Gives answers that are there already: the null implementation.
+struct Canned(Vec<u8>);
+
+impl Dut for Canned {
+    fn converse(&self, session: &Session, judge: &mut Judge<'_>) -> anyhow::Result<Ending> {
+        for answer in self.0.split(|&byte| byte == b'\n').filter(|answer| !answer.is_empty()) {
+            judge.answer(answer, session.text().len());
+        }
+        Ok(Ending::default())
+    }
+}
+
+fn runner(c: &mut Criterion) {
+    let mut canned = Vec::new();
+    let make = |kind: &dyn saarcor_kit::kind::Kind, config: &str| kind.oracle(Oracle::Model, config);
+    serve(&make, Vm.random(SEED, REQUESTS).text(), &mut canned).expect("memory can be written");
+    let duts: [(&str, Box<dyn Dut>); 3] = [
+        ("null", Box::new(Canned(canned))),
+        ("model", Box::new(InProcess::oracle(Oracle::Model))),
+        ("naive", Box::new(InProcess::oracle(Oracle::Naive))),
+    ];
+    let mut group = c.benchmark_group("runner");
+    group.throughput(Throughput::Elements(REQUESTS as u64));
+    for (name, dut) in &duts {
+        group.bench_function(*name, |b| {
+            b.iter(|| {
+                let session = Vm.random(SEED, REQUESTS);
+                let mut judge = Judge::new(&Vm, &session, Level::State);
+                dut.converse(&session, &mut judge).expect("it runs");
+                assert!(judge.is_done() && judge.findings().is_empty());
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, runner);
+criterion_main!(benches);

@@ -1,0 +1,225 @@
+//! `saarcor-hash`: the set of a line, alone.
+
+use crate::hex;
+use crate::kind::{Comparison, Coverage, Covered, Difference, Kind, Oracle};
+use crate::level::Level;
+use crate::random::Random;
+use crate::serve::{Served, Unsupported};
+use crate::session::Session;
+use crate::suites;
+use crate::vm::config::{HASHES, name_of, named};
+use saarcor_model::geometry::Geometry;
+use saarcor_model::hash::Hash;
+use saarcor_model::set::Policy;
+use saarcor_model::units::{Bytes, LineAddr};
+use saarcor_model::vm::CacheConfig;
+use saarcor_reference::cache::NaiveCache;
+
+/// The kind `saarcor-hash`.
+#[derive(Clone, Copy, Debug)]
+pub struct SetHash;
+
+/// Most sets: those of 4 GiB in lines of one byte.
+const MAX_SET_BITS: u32 = 32;
+
+/// What is observed.
+const OBSERVES: &str = "set";
+
+/// The sets and the hash of a configuration `sets=16384 hash=add-upper`.
+fn parse(config: &str) -> Result<(u32, Hash), String> {
+    let (mut sets, mut hash) = (None, None);
+    for word in config.split_ascii_whitespace() {
+        match word.split_once('=') {
+            Some(("sets", value)) => sets = value.parse().ok(),
+            Some(("hash", value)) => {
+                hash = Some(named(HASHES, value).map_err(|right| format!("{word}: {right}"))?)
+            }
+            _ => return Err(format!("'{word}': the keys are sets, hash")),
+        }
+    }
+    let sets: u64 = sets.ok_or("sets is missing, or no decimal number")?;
+    if !sets.is_power_of_two() || sets > 1 << MAX_SET_BITS {
+        return Err(format!("sets={sets}: it must be a power of two up to {}", 1_u64 << MAX_SET_BITS));
+    }
+    Ok((sets.ilog2(), hash.ok_or("hash is missing")?))
+}
+
+fn line_of(request: &[u8]) -> Result<LineAddr, &'static str> {
+    let number = request.strip_prefix(b"s ").and_then(hex::number).and_then(|line| u32::try_from(line).ok());
+    number.map(LineAddr).ok_or("write 's LINE' in hex")
+}
+
+/// The model or the naive reference.
+enum SetOf {
+    Model { hash: Hash, set_bits: u32 },
+    Naive(Box<NaiveCache>),
+}
+
+impl Served for SetOf {
+    fn observes(&self) -> String {
+        OBSERVES.to_owned()
+    }
+
+    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), &'static str> {
+        let line = line_of(request)?;
+        let set = match self {
+            Self::Model { hash, set_bits } => u64::from(hash.set_of(line, *set_bits).0),
+            Self::Naive(cache) => cache.set_of(line),
+        };
+        hex::push_number(answer, set);
+        Ok(())
+    }
+}
+
+impl Kind for SetHash {
+    fn name(&self) -> &'static str {
+        "saarcor-hash"
+    }
+
+    fn hello(&self) -> &'static str {
+        "saarcor-hash 1"
+    }
+
+    fn levels(&self) -> &'static [Level] {
+        &[Level::Protocol, Level::State]
+    }
+
+    fn suites(&self) -> &'static [(&'static str, &'static str)] {
+        suites::HASH
+    }
+
+    /// Any lines, and lines around the powers of two and the multiples of the set count.
+    fn random(&self, seed: u64, requests: usize) -> Session {
+        let mut random = Random::new(seed);
+        let set_bits = [4, 0, 14, 1, 9, 20, 32, 7][(seed / HASHES.len() as u64 % 8) as usize];
+        let (name, _) = HASHES[(seed % HASHES.len() as u64) as usize];
+        let mut text = Vec::new();
+        for _ in 0..requests {
+            let near = match random.below(3) {
+                0 => random.bits() as u32,
+                1 => (1_u32 << random.below(32)).wrapping_sub(1).wrapping_add(random.below(3) as u32),
+                _ => ((random.below(64) << set_bits) as u32)
+                    .wrapping_add(random.below(3) as u32)
+                    .wrapping_sub(1),
+            };
+            text.extend_from_slice(b"s ");
+            hex::push_number(&mut text, u64::from(near));
+            text.push(b'\n');
+        }
+        let config = format!("sets={} hash={name}", 1_u64 << set_bits);
+        Session::new(&format!("{}/random/{seed}", self.prefix()), self.hello(), &config, &text)
+    }
+
+    fn check(&self, session: &Session) -> Result<(), String> {
+        parse(session.config()).map_err(|wrong| format!("config: {wrong}"))?;
+        for (request, number) in session.requests().zip(1..) {
+            let shown = String::from_utf8_lossy(request);
+            line_of(request).map_err(|right| format!("request {number}, '{shown}': {right}"))?;
+        }
+        Ok(())
+    }
+
+    fn oracle(&self, oracle: Oracle, config: &str) -> Result<Box<dyn Served>, Unsupported> {
+        let (set_bits, hash) = parse(config).map_err(Unsupported)?;
+        Ok(Box::new(match oracle {
+            Oracle::Model => SetOf::Model { hash, set_bits },
+            Oracle::Naive => {
+                let geometry = Geometry::new(Bytes(1 << set_bits), Bytes(1), 1);
+                let geometry = geometry.map_err(|error| Unsupported(error.to_string()))?;
+                SetOf::Naive(Box::new(NaiveCache::new(CacheConfig { geometry, hash, policy: Policy::Lru })))
+            }
+        }))
+    }
+
+    fn comparison<'a>(
+        &self,
+        session: &'a Session,
+        observes: &str,
+    ) -> Result<Box<dyn Comparison + 'a>, String> {
+        if observes != OBSERVES {
+            return Err(format!("'ok observes={OBSERVES}' is right"));
+        }
+        let model = self.oracle(Oracle::Model, session.config()).map_err(|wrong| wrong.0)?;
+        Ok(Box::new(SetComparison { model, expected: Vec::new() }))
+    }
+
+    /// Fewer sets, and the hash that adds less.
+    fn simpler_configs(&self, config: &str) -> Vec<String> {
+        let Ok((set_bits, hash)) = parse(config) else { return Vec::new() };
+        let with =
+            |set_bits: u32, hash| format!("sets={} hash={}", 1_u64 << set_bits, name_of(HASHES, &hash));
+        let steps =
+            [with(set_bits / 2, hash), with(set_bits.saturating_sub(1), hash), with(set_bits, Hash::Low)];
+        steps.into_iter().filter(|simpler| simpler != &with(set_bits, hash)).collect()
+    }
+
+    /// The line without each of its bits.
+    fn simpler_requests(&self, _session: &Session, request: &[u8]) -> Vec<String> {
+        let Ok(LineAddr(line)) = line_of(request) else { return Vec::new() };
+        let bits = (0..32).rev().filter(|bit| line >> bit & 1 == 1);
+        bits.map(|bit| format!("s {:x}", line & !(1 << bit))).collect()
+    }
+
+    fn state_before(&self, _session: &Session, _request: usize) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn coverage(&self) -> Box<dyn Coverage> {
+        Box::new(BitsOfLines::default())
+    }
+}
+
+/// Compares sets.
+struct SetComparison {
+    model: Box<dyn Served>,
+    expected: Vec<u8>,
+}
+
+impl Comparison for SetComparison {
+    fn observed(&self, level: Level) -> bool {
+        matches!(level, Level::Protocol | Level::State)
+    }
+
+    fn compare(
+        &mut self,
+        request: &[u8],
+        answer: &[u8],
+        found: &mut dyn FnMut(Difference),
+    ) -> Result<(), String> {
+        self.expected.clear();
+        self.model.answer(request, &mut self.expected)?;
+        let got = hex::number(answer).ok_or("the number of a set in hex is right")?;
+        let right = hex::number(&self.expected).ok_or("the number of a set in hex is right")?;
+        if got != right {
+            let says = format!("set {got:x}; {right:x} is right");
+            found(Difference { level: Level::State, says, requirement: "VM-3" });
+        }
+        Ok(())
+    }
+
+    fn expected(&self) -> &[u8] {
+        &self.expected
+    }
+}
+
+/// Which bits of a line were set in a request, by hash.
+#[derive(Clone, Copy, Debug, Default)]
+struct BitsOfLines([u32; HASHES.len()]);
+
+impl Coverage for BitsOfLines {
+    fn add(&mut self, session: &Session) {
+        let Ok((_, hash)) = parse(session.config()) else { return };
+        let lines = session.requests().filter_map(|request| line_of(request).ok());
+        let place = HASHES.iter().position(|(_, known)| *known == hash).unwrap_or_default();
+        self.0[place] |= lines.fold(0, |bits, LineAddr(line)| bits | line);
+    }
+
+    fn rows(&self) -> Vec<Covered> {
+        let rows = HASHES.iter().zip(self.0).map(|((name, _), bits)| Covered {
+            what: format!("bits of a line with hash {name}"),
+            reached: bits.count_ones() as usize,
+            all: 32,
+        });
+        rows.collect()
+    }
+}

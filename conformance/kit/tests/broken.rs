@@ -1,0 +1,96 @@
+//! Every faulty implementation is rejected, for the requirement that its fault breaks, with requests
+//! that are short.
+#![cfg(unix)]
+
+use rayon::prelude::*;
+use saarcor_kit::dut::Dut;
+use saarcor_kit::judge::Judge;
+use saarcor_kit::kind::Kind;
+use saarcor_kit::level::Level;
+use saarcor_kit::report::{Failure, Verdict};
+use saarcor_kit::run::{Options, default_suite, run};
+use saarcor_kit::session::Session;
+use saarcor_kit::target::Target;
+use saarcor_kit::templates::{Fault, TEMPLATES, faults};
+use saarcor_kit::vm::config;
+use saarcor_model::vm::CacheConfig;
+
+/// A template with a fault in it, built, and the folder that it lies in.
+fn planted(fault: &Fault) -> (tempfile::TempDir, Target) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let template = TEMPLATES.iter().find(|template| template.name == fault.template).expect("a template");
+    for (name, text) in template.with_fault(fault).expect("its line") {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    }
+    let target = Target::open(folder.path().to_str().expect("text"), None).expect("a folder");
+    assert!(target.missing.is_empty(), "needs {:?}", target.missing);
+    target.build().expect("it compiles");
+    (folder, target)
+}
+
+/// The first failure of the default suite.
+fn first_failure(fault: &Fault, dut: &dyn Dut, kind: &dyn Kind) -> Option<Failure> {
+    let options = Options { requests: 24_000, errors: 1, ..Options::default() };
+    let planned = default_suite(kind, &options).expect("suites");
+    let report = run(&fault.name, dut, kind, &planned, &options, &|_| ()).expect("it runs");
+    assert_eq!(report.verdict == Verdict::DoesNotConform, !report.failures.is_empty());
+    report.failures.into_iter().next()
+}
+
+/// Requests that exhaustive search is made of: each line of twice the memory, and what forgets them.
+/// For sets alone, the first lines.
+fn alphabet(config: &str) -> Vec<String> {
+    let Ok(CacheConfig { geometry, .. }) = config::parse(config) else {
+        return (0..16).map(|line| format!("s {line:x}")).collect();
+    };
+    let (line, lines) = (geometry.line().0, geometry.lines());
+    let mut requests: Vec<_> = (0..2 * lines.min(4)).map(|n| format!("r {:x} 1", n * line)).collect();
+    requests.extend([format!("r {:x} 1", line - 1), "w 0 01".into(), "i 0 1".into(), "flush".into()]);
+    requests
+}
+
+/// Whether any session of `length` requests fails.
+fn some_fail(dut: &dyn Dut, kind: &dyn Kind, failure: &Session, length: usize) -> bool {
+    let alphabet = alphabet(failure.config());
+    (0..alphabet.len().pow(length as u32)).any(|mut number| {
+        let requests: Vec<_> = (0..length)
+            .map(|_| {
+                let request = alphabet[number % alphabet.len()].as_bytes();
+                number /= alphabet.len();
+                request
+            })
+            .collect();
+        let session = failure.with_requests(requests);
+        let mut judge = Judge::new(kind, &session, Level::State);
+        dut.converse(&session, &mut judge).expect("it runs");
+        !judge.findings().is_empty()
+    })
+}
+
+#[test]
+fn every_fault_is_found_for_its_requirement_by_few_requests() {
+    let wrong: Vec<String> = faults()
+        .expect("a list")
+        .par_iter()
+        .filter_map(|fault| {
+            let (_folder, target) = planted(fault);
+            let kind = target.kind.expect("dut.toml names it");
+            let Some(failure) = first_failure(fault, &*target.dut, kind) else {
+                return Some(format!("{}: conforms", fault.name));
+            };
+            println!("{:>2} requests: {}", failure.minimal_requests, fault.name);
+            let Failure { requirement, level, .. } = &failure;
+            if (requirement, level.name()) != (&fault.requirement, fault.level.as_str()) {
+                return Some(format!("{}: {requirement} at level {level}\n{}", fault.name, failure.text()));
+            }
+            // At most three times as many as the shortest: none of a third fails.
+            let suite = String::from_utf8(failure.suite.clone()).expect("text");
+            let session = Session::parse("minimal", &suite).expect("a session").remove(0);
+            let third = failure.minimal_requests.saturating_sub(1) / 3;
+            let shorter =
+                (0..=third).find(|&length| third > 0 && some_fail(&*target.dut, kind, &session, length));
+            shorter.map(|length| format!("{}: {length} requests are enough\n{}", fault.name, failure.text()))
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

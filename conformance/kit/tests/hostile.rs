@@ -1,0 +1,142 @@
+//! Hostile implementations: a verdict, and nothing left behind.
+#![cfg(unix)]
+
+use saarcor_kit::child::Process;
+use saarcor_kit::report::{Report, Verdict};
+use saarcor_kit::run::{Options, default_suite, run};
+use saarcor_kit::vm::Vm;
+use std::time::Duration;
+
+const LIMIT: Duration = Duration::from_secs(1);
+
+/// Runs the default suite with a command line of which the report must be there in time.
+fn report_on(command: &str) -> Report {
+    let dut = Process { command: command.to_owned(), folder: None, time_limit: LIMIT };
+    let options = Options { requests: 24, errors: 1, ..Options::default() };
+    let planned = default_suite(&Vm, &options).expect("suites");
+    run(command, &dut, &Vm, &planned, &options, &|_| ()).expect("it runs")
+}
+
+/// The requirement and the sentence of the one failure.
+#[track_caller]
+fn rejected(command: &str) -> (String, String) {
+    let report = report_on(command);
+    assert_eq!(report.verdict, Verdict::DoesNotConform, "{command}");
+    let failure = report.failures.into_iter().next().expect("a failure");
+    (failure.requirement, failure.says)
+}
+
+const HELLO: &str = "read x; echo saarcor-vm 1; read x; echo ok observes=data,hit,card,evict; ";
+
+#[test]
+fn one_that_hangs() {
+    for command in ["read x; sleep 1000", "while :; do :; done", &format!("{HELLO} sleep 1000")] {
+        let report = report_on(command);
+        // Those that run at the same time end with it, and no others begin.
+        assert!(report.sessions <= rayon::current_num_threads() && report.stopped.is_some());
+        let failure = &report.failures[0];
+        assert!(
+            failure.requirement == "P-8" && failure.says.contains("1 s"),
+            "{command}: {}",
+            failure.text()
+        );
+    }
+}
+
+#[test]
+fn one_that_does_not_end_after_end() {
+    let (requirement, says) = rejected(&format!("{HELLO} read x; echo end; exec sleep 1000"));
+    assert!(requirement == "P-6" && says.contains("end"), "{says}");
+}
+
+#[test]
+fn one_that_dies() {
+    for (command, how) in [
+        ("exit 3", "status 3"),
+        ("no-such-program-at-all", "status 127"),
+        ("kill -SEGV $$", "signal 11"),
+        (&format!("{HELLO} printf 'm 0'; exit 0"), "in the middle"),
+    ] {
+        let (requirement, says) = rejected(command);
+        assert!(requirement == "P-7" && says.contains(how), "{command}: {requirement} {says}");
+    }
+}
+
+#[test]
+fn one_that_closes_its_output_and_lives() {
+    let (requirement, _) = rejected("exec >&-; sleep 1000");
+    assert_eq!(requirement, "P-7");
+}
+
+#[test]
+fn one_that_answers_too_early() {
+    let (requirement, says) = rejected("printf 'saarcor-vm 1\\nok observes=data\\nend\\n'; cat > /dev/null");
+    // It depends on which is first: the kit's text or the answers. Then what follows is wrong.
+    assert!(["P-4", "P-5"].contains(&requirement.as_str()), "{requirement} {says}");
+}
+
+#[test]
+fn one_that_answers_too_much() {
+    let (requirement, _) = rejected(&format!("{HELLO} read x; echo end; echo more"));
+    assert_eq!(requirement, "P-4");
+    let (requirement, _) = rejected(&format!("{HELLO} read x; echo end; printf more"));
+    assert_eq!(requirement, "P-4");
+}
+
+#[test]
+fn one_that_writes_garbage() {
+    for command in ["head -c 100000 /dev/urandom", "yes", "cat /dev/zero", "yes | tr -d '\\n'"] {
+        let (requirement, says) = rejected(command);
+        assert!(
+            ["P-1", "P-4", "P-5", "P-7"].contains(&requirement.as_str()),
+            "{command}: {requirement} {says}"
+        );
+    }
+}
+
+#[test]
+fn one_that_writes_to_stderr_without_end() {
+    let report = report_on("yes complaint >&2");
+    assert_eq!(report.verdict, Verdict::DoesNotConform);
+    let failure = &report.failures[0];
+    assert!(
+        failure.stderr.contains("complaint\n") && failure.stderr.len() <= 4096,
+        "{}",
+        failure.stderr.len()
+    );
+}
+
+#[test]
+fn one_that_answers_slowly_is_not_told() {
+    // An answer every 50 ms: never silent for half of the limit, and far from the end.
+    let slow = format!(
+        "{HELLO} while read x; do case $x in end) echo end; exit;; *) echo ok; sleep 0.05; esac; done"
+    );
+    let dut = Process { command: slow, folder: None, time_limit: LIMIT };
+    let session = saarcor_kit::session::Session::new(
+        "slow",
+        "saarcor-vm 1",
+        "line=16 lines=8 ways=2 hash=low policy=lru",
+        "flush\n".repeat(1000).as_bytes(),
+    );
+    let planned = [saarcor_kit::run::Planned::Directed(Box::new(session))];
+    let report = run("slow", &dut, &Vm, &planned, &Options::default(), &|_| ()).expect("it runs");
+    assert_eq!(report.verdict, Verdict::Incomplete);
+    assert!(report.stopped.is_some_and(|why| why.contains("time limit")));
+}
+
+/// The processes whose command line has a word that only this test knows.
+#[cfg(target_os = "linux")]
+fn alive(word: &str) -> usize {
+    let processes = std::fs::read_dir("/proc").expect("Linux has it").flatten();
+    let lines = processes.filter_map(|entry| std::fs::read(entry.path().join("cmdline")).ok());
+    lines.filter(|line| String::from_utf8_lossy(line).contains(word)).count()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn no_process_of_its_group_is_left() {
+    let word = "1000.0625";
+    rejected(&format!("sleep {word} & sleep {word}; wait"));
+    assert_eq!(alive(word), 0);
+}

@@ -1,0 +1,113 @@
+//! The templates conform at every level of their kind.
+#![cfg(unix)]
+
+use saarcor_kit::dut::{Dut, InProcess};
+use saarcor_kit::hash::SetHash;
+use saarcor_kit::kind::Kind;
+use saarcor_kit::report::{Report, Verdict};
+use saarcor_kit::run::{Options, Planned, default_suite, run};
+use saarcor_kit::target::Target;
+use saarcor_kit::vm::Vm;
+use saarcor_kit::vm::cache::CacheServed;
+
+#[path = "../../duts/rust/src/lib.rs"]
+mod my_cache;
+
+/// The template's folder, copied and built, so that nothing is made in the sources.
+fn template(name: &str) -> (tempfile::TempDir, Target) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let from = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../duts").join(name);
+    for file in std::fs::read_dir(from).expect("a template") {
+        let file = file.expect("a file");
+        if file.path().is_file() {
+            std::fs::copy(file.path(), folder.path().join(file.file_name())).expect("copied");
+        }
+    }
+    let target = Target::open(folder.path().to_str().expect("text"), None).expect("a template");
+    assert!(target.missing.is_empty(), "{name} needs {:?}", target.missing);
+    target.build().expect("it builds");
+    (folder, target)
+}
+
+#[track_caller]
+fn conforms(dut: &dyn Dut, planned: &[Planned]) -> Report {
+    conforms_to(&Vm, dut, planned)
+}
+
+#[track_caller]
+fn conforms_to(kind: &dyn Kind, dut: &dyn Dut, planned: &[Planned]) -> Report {
+    let report = run("template", dut, kind, planned, &Options::default(), &|_| ()).expect("it runs");
+    let failures: Vec<_> = report.failures.iter().map(|failure| failure.text()).collect();
+    assert_eq!(report.verdict, Verdict::Conforms, "{}", failures.join("\n"));
+    report
+}
+
+fn suite(requests: usize) -> Vec<Planned> {
+    default_suite(&Vm, &Options { requests, ..Options::default() }).expect("suites")
+}
+
+fn seeds(count: u64, requests: usize) -> Vec<Planned> {
+    (0..count).map(|seed| Planned::Random { seed: 5000 + seed, requests }).collect()
+}
+
+#[test]
+fn c_conforms_whatever_the_seed() {
+    let (_folder, target) = template("c");
+    conforms(&*target.dut, &suite(400_000));
+    conforms(&*target.dut, &seeds(200, 1000));
+}
+
+#[test]
+fn rust_conforms_whatever_the_seed() {
+    let dut = InProcess::new(Box::new(|_, config| Ok(Box::new(CacheServed::new(config, &my_cache::make)?))));
+    conforms(&dut, &suite(100_000));
+    conforms(&dut, &seeds(200, 1000));
+}
+
+#[test]
+fn hash_conforms() {
+    let (_folder, target) = template("hash");
+    let planned =
+        default_suite(&SetHash, &Options { requests: 24_000, ..Options::default() }).expect("suites");
+    let planned: Vec<_> = planned.into_iter().step_by(3).collect();
+    conforms_to(&SetHash, &*target.dut, &planned);
+}
+
+/// One session in ten: starting Python takes most of the time.
+#[test]
+fn python_conforms_in_some_sessions() {
+    let (_folder, target) = template("python");
+    let planned: Vec<_> = suite(24_000).into_iter().step_by(10).collect();
+    conforms(&*target.dut, &planned);
+}
+
+#[test]
+#[ignore = "needs Icarus Verilog, and takes a minute"]
+fn verilog_conforms_whatever_the_seed() {
+    let (_folder, target) = template("verilog");
+    let report = conforms(&*target.dut, &suite(24_000));
+    assert_eq!(
+        report.unsupported.iter().map(|row| row.key.as_str()).collect::<Vec<_>>(),
+        ["lines", "policy"]
+    );
+    conforms(&*target.dut, &seeds(200, 100));
+}
+
+#[test]
+#[ignore = "starts Python 400 times"]
+fn python_conforms_whatever_the_seed() {
+    let (_folder, target) = template("python");
+    conforms(&*target.dut, &suite(24_000));
+    conforms(&*target.dut, &seeds(200, 500));
+}
+
+#[test]
+#[ignore = "needs Yosys"]
+fn verilog_can_be_synthesized() {
+    let source = concat!(env!("CARGO_MANIFEST_DIR"), "/../duts/verilog/cache.v");
+    let script = format!("read_verilog {source}; synth -top cache; check -assert");
+    let output =
+        std::process::Command::new("yosys").args(["-q", "-p", &script]).output().expect("Yosys is there");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !said.contains("latch"), "{said}");
+}
