@@ -223,3 +223,41 @@ impl Coverage for BitsOfLines {
         rows.collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn configurations_are_read() {
+        assert_eq!(parse("sets=16 hash=low"), Ok((4, Hash::Low)));
+        assert_eq!(parse("hash=add-upper-all sets=4294967296"), Ok((32, Hash::AddUpperAll)));
+        for (config, says) in [
+            ("sets=3 hash=low", "power of two"),
+            ("sets=8589934592 hash=low", "4294967296"),
+            ("sets=x hash=low", "decimal"),
+            ("sets=16 hash=upper", "add-upper"),
+            ("sets=16", "hash is missing"),
+            ("ways=4", "sets, hash"),
+        ] {
+            assert!(parse(config).is_err_and(|error| error.contains(says)), "{config}");
+        }
+    }
+
+    #[test]
+    fn random_sessions_are_legal() {
+        for seed in 0..24 {
+            let session = SetHash.random(seed, 100);
+            assert_eq!((SetHash.check(&session), session.requests().count()), (Ok(()), 100));
+        }
+    }
+
+    #[test]
+    fn simpler_configurations_end() {
+        let mut config = "sets=4294967296 hash=add-upper-all".to_owned();
+        while let Some(next) = SetHash.simpler_configs(&config).pop() {
+            config = next;
+        }
+        assert_eq!(config, "sets=1 hash=low");
+    }
+}

@@ -32,15 +32,12 @@ pub fn html(report: &Report) -> String {
 
 /// A failure: its shortest requests, with the answer that is wrong.
 fn section(failure: &Failure) -> String {
+    // The last that is asked is where it fails.
+    let fails = failure.minimal.iter().rposition(|line| *line == failure.asked);
     let mut lines = String::new();
-    for line in &failure.minimal {
-        let text = escaped(line);
-        // The last that is asked is where it fails.
-        let _ = if *line == failure.asked {
-            writeln!(lines, "<mark>{text}</mark>")
-        } else {
-            writeln!(lines, "{text}")
-        };
+    for (place, line) in failure.minimal.iter().enumerate() {
+        let (open, close) = if Some(place) == fails { ("<mark>", "</mark>") } else { ("", "") };
+        let _ = writeln!(lines, "{open}{}{close}", escaped(line));
     }
     let part = |name: &str, rows: &str| match rows {
         "" => String::new(),
