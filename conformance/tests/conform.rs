@@ -139,7 +139,8 @@ fn bad_input_is_refused() {
         (&["conform", "run", "src"], &["src/dut.toml", "cannot be read"]),
         (&["conform", "run", "model", "--suite", "vm/lru-victm"], &["vm/lru-victim"]),
         (&["conform", "run", "model", "--level", "bits"], &["protocol, data, traffic, state"]),
-        (&["conform", "run", "model", "--time-limit", "-1"], &["--time-limit"]),
+        (&["conform", "run", "model", "--kind", "saarcor-hash", "--level", "data"], &["protocol, state"]),
+        (&["conform", "run", "model", "--time-limit", "0"], &["--time-limit"]),
         (&["conform", "run", "model", "--junit", "no/such/file"], &["no/such/file"]),
         (&["conform", "generate", "no-such-file"], &["no-such-file"]),
         (&["conform", "check", "vm/lru-victim", "no-such-file"], &["no-such-file"]),
@@ -168,7 +169,7 @@ fn broken_builds_are_refused_with_what_they_said() {
 #[test]
 fn strays_are_killed() {
     let folder = tempfile::tempdir().expect("a folder");
-    let stray = "setsid sleep 1000.03125 & read x; exit 1";
+    let stray = "setsid sleep 1000.03125 > /dev/null 2>&1 & read x; exit 1";
     says(&run_in(folder.path(), &["conform", "run", stray, "--errors", "1"]), 1, &["P-7"]);
     let processes = std::fs::read_dir("/proc").expect("Linux has it").flatten();
     let lines = processes.filter_map(|entry| std::fs::read(entry.path().join("cmdline")).ok());

@@ -21,8 +21,8 @@ pub struct Report {
     pub verdict: Verdict,
     /// The highest level that was passed, with all below it.
     pub highest: Option<Level>,
-    /// The level that was asked for.
-    pub asked: Level,
+    /// The level that was asked for; none: all that is observed.
+    pub asked: Option<Level>,
     /// Each level.
     pub levels: Vec<LevelVerdict>,
     /// Each requirement that sessions are about, in the order of the suites; the random ones last.

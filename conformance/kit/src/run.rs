@@ -32,8 +32,8 @@ const SHOWN_FAILURES: usize = 8;
 /// What is run.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The highest level that is judged.
-    pub level: Level,
+    /// The highest level that is judged, and that has to be passed; none: all that is observed.
+    pub level: Option<Level>,
     /// Sessions that fail before the run is stopped.
     pub errors: usize,
     /// First seed of the random sessions.
@@ -42,9 +42,16 @@ pub struct Options {
     pub requests: usize,
 }
 
+impl Options {
+    /// The highest level that is judged.
+    fn highest(&self) -> Level {
+        self.level.unwrap_or(Level::State)
+    }
+}
+
 impl Default for Options {
     fn default() -> Self {
-        Self { level: Level::State, errors: ERRORS, seed: 0, requests: RANDOM_REQUESTS }
+        Self { level: None, errors: ERRORS, seed: 0, requests: RANDOM_REQUESTS }
     }
 }
 
@@ -191,7 +198,7 @@ pub fn run(
                 if hung.load(Ordering::Relaxed) {
                     return Ok(None);
                 }
-                let held = hold(dut, kind, (place, &planned[place]), options.level)?;
+                let held = hold(dut, kind, (place, &planned[place]), options.highest())?;
                 if held.timeout == Some(Timeout::Hung) {
                     hung.store(true, Ordering::Relaxed);
                 }
@@ -293,7 +300,7 @@ fn failure(
 ) -> Result<Failure> {
     let mut trouble = None;
     let mut fails = |session: &Session| {
-        let mut judge = Judge::new(kind, session, options.level);
+        let mut judge = Judge::new(kind, session, options.highest());
         if let Err(error) = dut.converse(session, &mut judge) {
             trouble.get_or_insert(error);
             return None;
@@ -359,12 +366,11 @@ impl Summary<'_> {
         let before_failed = levels.iter().take_while(|level| level.verdict != AtLevel::Failed);
         let highest = before_failed.filter(passed).map(|level| level.level).last();
         let errors = self.held.iter().filter(|held| !held.findings.is_empty()).count();
-        let at_asked = levels.iter().find(|level| level.level == self.options.level);
+        let at_asked = levels.iter().find(|level| Some(level.level) == self.options.level);
         let slow = self.held.iter().any(|held| held.timeout == Some(Timeout::Slow));
         let judged = self.held.iter().any(|held| held.unsupported.is_none());
-        // Asked for all that there is, an implementation is judged by all that it observes.
-        let all = Some(&self.options.level) == self.kind.levels().last();
-        let told = judged && !slow && (all || at_asked.is_some_and(|level| level.verdict == AtLevel::Passed));
+        let passed = at_asked.is_none_or(|level| level.verdict == AtLevel::Passed);
+        let told = judged && !slow && passed;
         let told = told && highest.is_some_and(|highest| highest > Level::Protocol);
         let verdict = match (errors, told) {
             (0, true) => Verdict::Conforms,
@@ -401,7 +407,7 @@ impl Summary<'_> {
         let lowest_failed =
             self.held.iter().flat_map(|held| &held.findings).map(|finding| finding.level).min();
         let verdict = |&level: &Level| {
-            let verdict = if level > self.options.level {
+            let verdict = if level > self.options.highest() {
                 AtLevel::NotAsked
             } else if lowest_failed.is_some_and(|failed| failed <= level) {
                 AtLevel::Failed

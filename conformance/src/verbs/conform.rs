@@ -161,9 +161,17 @@ impl RunArgs {
             // One that answers no hello fails at it, whatever the kind.
             None => kind_of(&*target.probe)?.unwrap_or(KINDS[0]),
         };
-        let highest = kind.levels().last().copied().unwrap_or(Level::Protocol);
+        if let Some(level) = self.level {
+            let known: Vec<_> = kind.levels().iter().map(|level| level.name()).collect();
+            ensure!(
+                kind.levels().contains(&level),
+                "--level {level}: those of {} are {}",
+                kind.name(),
+                known.join(", ")
+            );
+        }
         let options = Options {
-            level: self.level.unwrap_or(highest).min(highest),
+            level: self.level,
             errors: self.errors as usize,
             seed: self.seed,
             requests: self.random_requests(target.requests),
