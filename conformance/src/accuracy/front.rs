@@ -115,6 +115,8 @@ pub fn svg(standings: &[Standing]) -> String {
         .with_width(760.0)
         .with_height(420.0)
         .with_log_scale()
+        // Room below the contestants that are never wrong.
+        .with_y_axis_min(NONE / 10.0)
         .with_x_label("nanoseconds a test")
         .with_y_label(format!("wrong answers in 10^6 cases ({NONE}: none)"))
         .with_legend_position(kuva::plot::LegendPosition::OutsideBottomColumns)

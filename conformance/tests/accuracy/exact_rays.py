@@ -12,16 +12,20 @@ import sys
 from fractions import Fraction
 
 
+# Every f32 is a multiple of 2^-149. Scaled by its inverse, all coordinates are whole numbers, and distances stay.
+SCALE = 1 << 149
+
+
 def number(bits):
     return struct.unpack(">f", bytes.fromhex(bits))[0]
 
 
 def dot(a, b):
-    return sum(x * y for x, y in zip(a, b))
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def sub(a, b):
-    return [x - y for x, y in zip(a, b)]
+    return [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 
 
 def cross(a, b):
@@ -34,19 +38,20 @@ def distance(origin, direction, corners, t_min, t_max):
     across = dot(normal, direction)
     if across == 0:
         return None
-    t = dot(normal, sub(a, origin)) / across
-    if t < t_min or (t_max is not None and t >= t_max):
-        return None
-    point = [o + t * d for o, d in zip(origin, direction)]
+    height = dot(normal, sub(a, origin))
     for p, q in ((a, b), (b, c), (c, a)):
-        if dot(normal, cross(sub(q, p), sub(point, p))) < 0:
+        # From p to the point that is met, times `across`.
+        to_point = [across * (o - x) + height * d for o, x, d in zip(origin, p, direction)]
+        if dot(normal, cross(sub(q, p), to_point)) * across < 0:
             return None
-    return t
+    t = Fraction(height, across)
+    return None if t < t_min or (t_max is not None and t >= t_max) else t
 
 
 for line in sys.stdin:
     t_min, t_max, *rest = [number(bits) for bits in line.split()]
-    vectors = [[Fraction(x) for x in rest[i:i + 3]] for i in range(0, len(rest), 3)]
+    whole = [int(Fraction(x) * SCALE) for x in rest]
+    vectors = [whole[i:i + 3] for i in range(0, len(whole), 3)]
     origin, direction, corners = vectors[0], vectors[1], vectors[2:]
     end = None if t_max == float("inf") else Fraction(t_max)
     hits = []

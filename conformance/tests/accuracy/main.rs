@@ -17,7 +17,7 @@ use std::process::{Command, Stdio};
 
 /// Cases a suite, by default and in the long tests.
 const FEW: u64 = 2_000;
-const MANY: u64 = 200_000;
+const MANY: u64 = 100_000;
 
 fn rows(suite: &'static Suite, kernel: Kernel, format: Format, seed: u64, cases: u64) -> Row {
     let extent = Extent { seed, cases, repeats: 1 };
@@ -47,7 +47,7 @@ fn adaptive_is_never_wrong_whatever_the_seed() {
 }
 
 #[test]
-#[ignore = "long: four million exact verdicts"]
+#[ignore = "long: two million exact verdicts"]
 fn adaptive_is_never_wrong_in_long_runs() {
     adaptive_is_never_wrong(77, MANY);
 }
@@ -67,7 +67,7 @@ fn watertight_does_not_leak_on_closed_meshes() {
 }
 
 #[test]
-#[ignore = "long: two million rays"]
+#[ignore = "long: eight hundred thousand rays"]
 fn watertight_does_not_leak_in_long_runs() {
     watertight_does_not_leak(MANY);
 }

@@ -249,8 +249,10 @@ impl AdaptiveHit<'_> {
     #[inline(always)]
     #[must_use]
     pub fn order(&self, other: &AdaptiveHit, ray: &Ray) -> Ordering {
-        if (self.t - other.t).abs() > self.t_error + other.t_error + UNIT * (self.t.abs() + other.t.abs()) {
-            self.t.total_cmp(&other.t)
+        let (difference, error) = (self.t - other.t, self.t_error + other.t_error);
+        // The difference is itself rounded: by less than the bounds leave unused.
+        if difference.abs() > error {
+            if difference < 0.0 { Ordering::Less } else { Ordering::Greater }
         } else {
             self.order_exactly(other, ray)
         }
