@@ -27,9 +27,12 @@ enum Event {
 /// An event at a way, and the policy's bits before and after.
 type Case = (usize, Event, [u8; WAYS], [u8; WAYS]);
 
+/// A policy, all of its cases, and those that were reached, each in its set.
+type OfPolicy = (Policy, BTreeSet<Case>, BTreeSet<(usize, Case)>);
+
 /// Coverage of the cache of two sets of four ways, by policy.
 pub struct SmallGeometry {
-    policies: Vec<(Policy, BTreeSet<Case>, BTreeSet<(usize, Case)>)>,
+    policies: Vec<OfPolicy>,
 }
 
 impl SmallGeometry {
@@ -84,7 +87,7 @@ impl Coverage for SmallGeometry {
     }
 
     fn rows(&self) -> Vec<Covered> {
-        let row = |(policy, all, reached): &(Policy, BTreeSet<Case>, BTreeSet<(usize, Case)>)| Covered {
+        let row = |(policy, all, reached): &OfPolicy| Covered {
             what: format!(
                 "sets × ways × outcomes × transitions of {} with {SETS} sets of {WAYS} ways",
                 config::name_of(config::POLICIES, policy)
