@@ -16,6 +16,7 @@ use saarcor_model::units::HostAddr;
 use saarcor_reference::exact::{self, rational::nearest_f32};
 use saarcor_reference::flat::FlatMemory;
 use saarcor_reference::search::{ClosestHit, closest_hit};
+use saarcor_scenes::Random;
 use saarcor_scenes::builtin::builtin;
 use saarcor_scenes::kdbuild::{BuildOptions, SplitRule, build};
 use std::path::PathBuf;
@@ -23,33 +24,21 @@ use std::path::PathBuf;
 /// Rays a kind, of which there are two a scene.
 const RAYS: usize = 10_000;
 
-/// Numbers in [0, 1), the same on every run (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1 << 24) as f32
-    }
-
-    fn direction(&mut self) -> Vec3 {
-        let z = 2.0 * self.next() - 1.0;
-        let (sin, cos) = (self.next() * std::f32::consts::TAU).sin_cos();
-        Vec3::new(cos, sin, 0.0) * (1.0 - z * z).sqrt() + Vec3::Z * z
-    }
+/// A unit vector, uniform over the sphere.
+fn direction(random: &mut Random) -> Vec3 {
+    let z = 2.0 * random.unit() - 1.0;
+    let (sin, cos) = (random.unit() * std::f32::consts::TAU).sin_cos();
+    Vec3::new(cos, sin, 0.0) * (1.0 - z * z).sqrt() + Vec3::Z * z
 }
 
 /// Rays from the cameras of the whole path through random pixels.
 fn camera_rays(scene: &Scene, rays: usize) -> Vec<Ray> {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let (width, height) = (1024, 768);
     (0..rays)
         .map(|i| {
             let camera = &scene.path[i * scene.path.len() / rays];
-            let (x, y) = (random.next() * width as f32, random.next() * height as f32);
+            let (x, y) = (random.unit() * width as f32, random.unit() * height as f32);
             Frame::new(camera, width, height).primary_ray(x as u32, y as u32)
         })
         .collect()
@@ -57,12 +46,12 @@ fn camera_rays(scene: &Scene, rays: usize) -> Vec<Ray> {
 
 /// Rays in all directions from points in the box around the scene.
 fn random_rays(bounds: Aabb, rays: usize) -> Vec<Ray> {
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     (0..rays)
         .map(|_| {
-            let place = Vec3::new(random.next(), random.next(), random.next());
+            let place = Vec3::new(random.unit(), random.unit(), random.unit());
             let origin = bounds.min + (bounds.max - bounds.min) * place;
-            Ray { origin, direction: random.direction(), t_min: 0.0, t_max: f32::INFINITY }
+            Ray { origin, direction: direction(&mut random), t_min: 0.0, t_max: f32::INFINITY }
         })
         .collect()
 }
