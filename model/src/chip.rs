@@ -119,8 +119,8 @@ struct L1 {
     /// Which registers are taken by lines on their way.
     taken: u64,
     on_the_way: Vec<OnTheWay>,
-    /// Threads that wait for a register.
-    parked: Vec<u32>,
+    /// Threads that wait for a register, the one that waits longest first.
+    parked: VecDeque<u32>,
     /// Parts of missed lines that the bus manager has not taken yet.
     parts: VecDeque<Part>,
     report: CacheReport,
@@ -254,7 +254,7 @@ impl<'a, O: Observer> Chip<'a, O> {
                 last_thread: vec![NOBODY; pipelines],
                 taken: 0,
                 on_the_way: vec![OnTheWay::default(); l1.mshrs as usize],
-                parked: Vec::with_capacity(pipelines * threads),
+                parked: VecDeque::with_capacity(pipelines * threads),
                 parts: VecDeque::new(),
                 report: CacheReport::default(),
             }
@@ -421,9 +421,7 @@ impl<'a, O: Observer> Chip<'a, O> {
                 self.answer(thread);
                 thread = next;
             }
-            while let Some(thread) = self.l1[usize::from(cache)].parked.pop() {
-                self.ask(thread);
-            }
+            self.ask_again(usize::from(cache));
         }
     }
 
@@ -544,7 +542,19 @@ impl<'a, O: Observer> Chip<'a, O> {
                     }
                 }
                 self.look_up(cache, pipeline * self.config.threads + thread);
+                self.ask_again(cache);
             }
+        }
+    }
+
+    /// The thread that waits longest for a register asks again, if one is free (CH-11).
+    #[inline]
+    fn ask_again(&mut self, cache: usize) {
+        let l1 = &mut self.l1[cache];
+        if l1.taken.count_ones() < self.config.l1[cache].mshrs
+            && let Some(thread) = l1.parked.pop_front()
+        {
+            self.ask(thread);
         }
     }
 
@@ -558,7 +568,7 @@ impl<'a, O: Observer> Chip<'a, O> {
         if on_its_way.is_none() && free >= self.config.l1[cache].mshrs {
             let index = l1.directory.config.set_of(LineAddr(line));
             if l1.directory.metadata.sets[index.0 as usize].way_of(LineAddr(line)).is_none() {
-                l1.parked.push(number);
+                l1.parked.push_back(number);
                 self.wait(number, Stall::Mshr);
                 return;
             }

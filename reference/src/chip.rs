@@ -64,6 +64,8 @@ struct FirstLevel {
     directory: NaiveCache,
     on_their_way: Vec<FirstLevelLine>,
     parts: VecDeque<Part>,
+    /// Places of the threads that wait for a register, in the order in which they came.
+    parked: VecDeque<usize>,
     /// Pipeline, and thread of each pipeline, that was served last.
     last_pipeline: Option<usize>,
     last_thread: Vec<Option<usize>>,
@@ -145,6 +147,7 @@ impl<'a> NaiveChip<'a> {
             directory: NaiveCache::new(four_ways(u64::from(config.l1[port].sets))),
             on_their_way: Vec::new(),
             parts: VecDeque::new(),
+            parked: VecDeque::new(),
             last_pipeline: None,
             last_thread: vec![None; pipelines],
             report: CacheReport::default(),
@@ -269,12 +272,8 @@ impl<'a> NaiveChip<'a> {
             for &place in arrived.iter().flat_map(|line| &line.waiting) {
                 self.answer(place);
             }
-            if !arrived.is_empty() {
-                for thread in &mut self.threads {
-                    if thread.state == State::Parked && thread.program[0].port as usize == cache {
-                        thread.state = State::Asks;
-                    }
-                }
+            for _ in arrived {
+                self.first_parked_asks_again(cache);
             }
         }
     }
@@ -387,7 +386,17 @@ impl<'a> NaiveChip<'a> {
                 let place = after(&own, self.first_level[cache].last_thread[pipeline]);
                 self.first_level[cache].last_thread[pipeline] = Some(place);
                 self.look_up(cache, place);
+                if self.first_level[cache].on_their_way.len() < self.config.l1[cache].mshrs as usize {
+                    self.first_parked_asks_again(cache);
+                }
             }
+        }
+    }
+
+    /// CH-11.
+    fn first_parked_asks_again(&mut self, cache: usize) {
+        if let Some(place) = self.first_level[cache].parked.pop_front() {
+            self.threads[place].state = State::Asks;
         }
     }
 
@@ -402,6 +411,7 @@ impl<'a> NaiveChip<'a> {
         let full = first_level.on_their_way.len() == config.mshrs as usize;
         if on_its_way.is_none() && !resident && full {
             self.threads[place].state = State::Parked;
+            first_level.parked.push_back(place);
             return;
         }
         first_level.report.accesses += 1;
