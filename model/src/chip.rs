@@ -79,16 +79,21 @@ struct Thread<'a> {
 /// Bits of a counter of threads in [`Unit::waiting`].
 const COUNTER_BITS: u32 = 12;
 
+/// [`Unit::waiting`] of no thread: the cause that follows the last [`Stall`] is idleness.
+const IDLE: u64 = 1 << (Stall::ALL.len() as u32 * COUNTER_BITS);
+
 struct Unit {
     /// Threads of the pipeline whose bytes are there, and the one served last.
     ready: u64,
     last: u32,
-    /// First cycle in which it can take rays.
+    /// First cycle in which it can take rays, and whether an event tells of it.
     free: u64,
-    /// Threads that wait for bytes for this unit: a counter a cause.
+    called: bool,
+    /// Threads that wait for bytes for this unit: a counter a cause, and [`IDLE`].
     waiting: u64,
-    /// The cycles before this one are accounted for.
+    /// The cycles before this one are accounted for: as busy in the report, the others by cause.
     since: u64,
+    without_rays: [u64; Stall::ALL.len() + 1],
     report: UnitReport,
 }
 
@@ -98,12 +103,22 @@ impl Unit {
     fn settle(&mut self, now: u64) {
         let free = self.free.clamp(self.since, now);
         self.report.busy += free - self.since;
-        match self.waiting {
-            0 => self.report.idle += now - free,
-            waiting => self.report.stalls[(waiting.trailing_zeros() / COUNTER_BITS) as usize] += now - free,
-        }
+        self.without_rays[(self.waiting.trailing_zeros() / COUNTER_BITS) as usize] += now - free;
         self.since = now;
     }
+
+    /// The report of all cycles before `now`.
+    fn reported(mut self, now: u64) -> UnitReport {
+        self.settle(now);
+        let [stalls @ .., idle] = self.without_rays;
+        UnitReport { stalls, idle, ..self.report }
+    }
+}
+
+/// One thread in [`Unit::waiting`].
+#[inline]
+fn waiter(stall: Stall) -> u64 {
+    1 << (stall as u32 * COUNTER_BITS)
 }
 
 /// A first-level cache in time. Threads are masks, one a pipeline.
@@ -119,6 +134,8 @@ struct L1 {
     /// Which registers are taken by lines on their way.
     taken: u64,
     on_the_way: Vec<OnTheWay>,
+    /// How many lines on their way have these lowest bits.
+    alike: [u8; 256],
     /// Threads that wait for a register, the one that waits longest first.
     parked: VecDeque<u32>,
     /// Parts of missed lines that the bus manager has not taken yet.
@@ -142,15 +159,10 @@ impl L1 {
     /// The register of `line`, if it is on its way.
     #[inline]
     fn register_of(&self, line: u32) -> Option<usize> {
-        let mut taken = self.taken;
-        while taken != 0 {
-            let register = taken.trailing_zeros() as usize;
-            if self.on_the_way[register].line == line {
-                return Some(register);
-            }
-            taken &= taken - 1;
+        if self.alike[line as usize % 256] == 0 {
+            return None;
         }
-        None
+        members(self.taken).find(|&register| self.on_the_way[register].line == line)
     }
 }
 
@@ -215,7 +227,7 @@ struct Chip<'a, O> {
     /// Thread `t` of pipeline `p` is at `p · threads + t`, unit `u` at `4 p + u`.
     threads: Vec<Thread<'a>>,
     units: Vec<Unit>,
-    /// Pipelines whose unit may take rays in this cycle, by unit, and the units that have any.
+    /// Pipelines whose unit takes rays in this cycle, by unit, and the units that have any.
     attend: [u64; 4],
     attended: u64,
     wheel: Wheel,
@@ -237,6 +249,8 @@ struct Chip<'a, O> {
     waiting: Vec<(LineAddr, Part, u64)>,
     sdram: Sdram,
     pci: Pci,
+    /// No line arrives and no tag is known before this cycle.
+    arrival: u64,
     report: Report,
 }
 
@@ -254,6 +268,7 @@ impl<'a, O: Observer> Chip<'a, O> {
                 last_thread: vec![NOBODY; pipelines],
                 taken: 0,
                 on_the_way: vec![OnTheWay::default(); l1.mshrs as usize],
+                alike: [0; 256],
                 parked: VecDeque::with_capacity(pipelines * threads),
                 parts: VecDeque::new(),
                 report: CacheReport::default(),
@@ -267,8 +282,16 @@ impl<'a, O: Observer> Chip<'a, O> {
             stall: Stall::LookUp,
             next: NONE,
         };
-        let unit =
-            || Unit { ready: 0, last: NOBODY, free: 0, waiting: 0, since: 0, report: UnitReport::default() };
+        let unit = || Unit {
+            ready: 0,
+            last: NOBODY,
+            free: 0,
+            called: false,
+            waiting: IDLE,
+            since: 0,
+            without_rays: [0; Stall::ALL.len() + 1],
+            report: UnitReport::default(),
+        };
         let all = |count: usize| u64::MAX >> (64 - count);
         Self {
             config,
@@ -297,6 +320,7 @@ impl<'a, O: Observer> Chip<'a, O> {
             waiting: Vec::new(),
             sdram: Sdram::new(config.sdram),
             pci: Pci::new(config.pci),
+            arrival: u64::MAX,
             report: Report::default(),
         }
     }
@@ -350,9 +374,12 @@ impl<'a, O: Observer> Chip<'a, O> {
     fn run(mut self) -> Report {
         loop {
             self.events();
-            self.lines_from_memory();
-            self.line_from_host();
-            self.tags_found();
+            if self.arrival <= self.now {
+                self.lines_from_memory();
+                self.line_from_host();
+                self.tags_found();
+                self.arrival = self.next_arrival();
+            }
             self.hand_out();
             if self.working == 0 && self.packets.len() == 0 {
                 return self.reported();
@@ -366,9 +393,8 @@ impl<'a, O: Observer> Chip<'a, O> {
 
     fn reported(mut self) -> Report {
         self.report.cycles = self.now;
-        for (place, unit) in self.units.iter_mut().enumerate() {
-            unit.settle(self.now);
-            let (sum, one) = (&mut self.report.units[place % 4], unit.report);
+        for (place, unit) in self.units.into_iter().enumerate() {
+            let (sum, one) = (&mut self.report.units[place % 4], unit.reported(self.now));
             sum.busy += one.busy;
             sum.idle += one.idle;
             sum.operations += one.operations;
@@ -386,11 +412,15 @@ impl<'a, O: Observer> Chip<'a, O> {
         if (self.asked | self.missed) != 0 || (self.with_free != 0 && self.packets.len() != 0) {
             return next;
         }
-        let tagged = self.tagged.front().map_or(u64::MAX, |tagged| tagged.ready.max(next));
+        self.wheel.upcoming(next).unwrap_or(u64::MAX).min(self.arrival)
+    }
+
+    /// The next cycle in which a line arrives or a tag is known.
+    fn next_arrival(&self) -> u64 {
+        let tagged = self.tagged.front().map_or(u64::MAX, |tagged| tagged.ready);
         let returning = self.returning.front().map_or(u64::MAX, |&(there, ..)| there);
         let loading = self.loading.front().map_or(u64::MAX, |loading| loading.there);
-        let event = self.wheel.upcoming(next).unwrap_or(u64::MAX);
-        event.min(returning).min(tagged).min(loading)
+        tagged.min(returning).min(loading)
     }
 
     /// Phase 1: units become free, operations end, and first-level caches answer.
@@ -399,7 +429,10 @@ impl<'a, O: Observer> Chip<'a, O> {
         while number != NONE {
             let next = self.wheel.next[number as usize];
             match (number as usize).checked_sub(self.threads.len()) {
-                Some(unit) => self.attend(unit % 4, (unit / 4) as u32),
+                Some(unit) => {
+                    self.units[unit].called = false;
+                    self.attend(unit % 4, (unit / 4) as u32);
+                }
                 None if self.threads[number as usize].stage == Stage::Working => self.end(number),
                 None => self.answer(number),
             }
@@ -415,7 +448,8 @@ impl<'a, O: Observer> Chip<'a, O> {
             self.returning.pop_front();
             let l1 = &mut self.l1[usize::from(cache)];
             l1.taken &= !(1 << register);
-            let mut thread = l1.on_the_way[usize::from(register)].waiter;
+            let OnTheWay { line, waiter: mut thread, .. } = l1.on_the_way[usize::from(register)];
+            l1.alike[line as usize % 256] -= 1;
             while thread != NONE {
                 let next = self.threads[thread as usize].next;
                 self.answer(thread);
@@ -501,9 +535,6 @@ impl<'a, O: Observer> Chip<'a, O> {
             for pipeline in members(std::mem::take(&mut self.attend[port])) {
                 let place = 4 * pipeline + port;
                 let unit = &mut self.units[place];
-                if unit.ready == 0 || unit.free > self.now {
-                    continue;
-                }
                 unit.settle(self.now);
                 unit.last = round_robin(unit.ready, unit.last);
                 unit.ready &= !(1 << unit.last);
@@ -515,7 +546,10 @@ impl<'a, O: Observer> Chip<'a, O> {
                 unit.report.operations += 1;
                 unit.report.rays += u64::from(rays);
                 thread.stage = Stage::Working;
-                self.wheel.insert(unit.free, (self.threads.len() + place) as u32);
+                if unit.ready != 0 {
+                    unit.called = true;
+                    self.wheel.insert(unit.free, (self.threads.len() + place) as u32);
+                }
                 self.wheel.insert(unit.free + u64::from(config.latency), number);
             }
         }
@@ -588,6 +622,7 @@ impl<'a, O: Observer> Chip<'a, O> {
             (None, Outcome::Miss { .. }) => {
                 l1.report.misses += 1;
                 l1.taken |= 1 << free;
+                l1.alike[line as usize % 256] += 1;
                 let mut way = OnTheWay { line, waiter: NONE, parts: 0, from_host: 0 };
                 for (addr, bytes) in self.parts(cache, line) {
                     let (cache_number, register) = (cache as u8, free as u8);
@@ -644,7 +679,10 @@ impl<'a, O: Observer> Chip<'a, O> {
             let begin = card - u64::from(self.config.cache.geometry.offset_of(HostAddr(part.addr)));
             self.loading.push_back(Loading { line, card: begin, there: u64::MAX });
         }
-        self.tagged.push_back(Tagged { ready: self.tags_known, part, line, card, loads });
+        // It is acted upon in a later cycle, however short the latency.
+        let ready = self.tags_known.max(self.now + 1);
+        self.tagged.push_back(Tagged { ready, part, line, card, loads });
+        self.arrival = self.arrival.min(ready);
     }
 
     /// Moves bytes between the chip and the on-board memory.
@@ -680,8 +718,7 @@ impl<'a, O: Observer> Chip<'a, O> {
     fn blame(&mut self, part: Part, stall: Stall) {
         let mut thread = self.on_the_way(part).waiter;
         while thread != NONE {
-            self.go_on(thread);
-            self.wait_anew(thread, stall);
+            self.wait(thread, stall);
             thread = self.threads[thread as usize].next;
         }
     }
@@ -749,11 +786,17 @@ impl<'a, O: Observer> Chip<'a, O> {
     fn ready(&mut self, number: u32) {
         let port = self.threads[number as usize].program[0].port as usize;
         let pipeline = number / self.config.threads;
-        self.units[4 * pipeline as usize + port].ready |= 1 << (number % self.config.threads);
-        self.attend(port, pipeline);
+        let place = 4 * pipeline as usize + port;
+        let unit = &mut self.units[place];
+        unit.ready |= 1 << (number % self.config.threads);
+        if unit.free <= self.now {
+            self.attend(port, pipeline);
+        } else if !std::mem::replace(&mut unit.called, true) {
+            self.wheel.insert(unit.free, (self.threads.len() + place) as u32);
+        }
     }
 
-    /// A unit may take rays in this cycle.
+    /// A unit is free in this cycle, and has a thread to take.
     #[inline]
     fn attend(&mut self, port: usize, pipeline: u32) {
         self.attend[port] |= 1 << pipeline;
@@ -769,8 +812,13 @@ impl<'a, O: Observer> Chip<'a, O> {
     /// A thread that waited now waits because of `stall`.
     #[inline]
     fn wait(&mut self, number: u32, stall: Stall) {
-        self.go_on(number);
-        self.wait_anew(number, stall);
+        let now = self.now;
+        let thread = &mut self.threads[number as usize];
+        let before = std::mem::replace(&mut thread.stall, stall);
+        let unit = self.unit(number);
+        unit.settle(now);
+        unit.waiting += waiter(stall);
+        unit.waiting -= waiter(before);
     }
 
     #[inline]
@@ -778,7 +826,7 @@ impl<'a, O: Observer> Chip<'a, O> {
         let now = self.now;
         let unit = self.unit(number);
         unit.settle(now);
-        unit.waiting += 1 << (stall as u32 * COUNTER_BITS);
+        unit.waiting += waiter(stall);
         let thread = &mut self.threads[number as usize];
         thread.stall = stall;
         thread.stage = Stage::Reading;
@@ -790,7 +838,7 @@ impl<'a, O: Observer> Chip<'a, O> {
         let (now, stall) = (self.now, self.threads[number as usize].stall);
         let unit = self.unit(number);
         unit.settle(now);
-        unit.waiting -= 1 << (stall as u32 * COUNTER_BITS);
+        unit.waiting -= waiter(stall);
     }
 }
 
