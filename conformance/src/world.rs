@@ -6,7 +6,7 @@ use crate::progress::Progress;
 use anyhow::{Context, Result, bail};
 use saarcor_model::image::HostImage;
 use saarcor_model::intersection::Kernel;
-use saarcor_model::kdtree::Node;
+use saarcor_model::kdtree::{KdTree, Node};
 use saarcor_model::scene::{Camera, Features, Scene};
 use saarcor_scenes::builtin;
 use saarcor_scenes::kdbuild::{self, BuildOptions};
@@ -88,7 +88,7 @@ impl World {
     /// # Errors
     /// If there is no such scene, it cannot be read, or it does not fit the chip.
     pub fn open(options: &WorldOptions, progress: &Progress) -> Result<Self> {
-        Self::open_with_scene(options, progress).map(|(world, _)| world)
+        Self::open_with_tree(options, progress).map(|(world, ..)| world)
     }
 
     /// [`World::open`], with the scene itself: its triangles in their own order.
@@ -96,6 +96,28 @@ impl World {
     /// # Errors
     /// As there.
     pub fn open_with_scene(options: &WorldOptions, progress: &Progress) -> Result<(Self, Scene)> {
+        Self::open_with_tree(options, progress).map(|(world, scene, _)| (world, scene))
+    }
+
+    /// [`World::open`], laid out anew for the triangle test that `choose` names when it has seen the
+    /// world with the test of `options`.
+    ///
+    /// # Errors
+    /// As there, and those of `choose`.
+    pub fn open_choosing(
+        options: &WorldOptions,
+        progress: &Progress,
+        choose: impl FnOnce(&Self) -> Result<Kernel>,
+    ) -> Result<Self> {
+        let (mut world, scene, tree) = Self::open_with_tree(options, progress)?;
+        let kernel = choose(&world)?;
+        if kernel != options.kernel {
+            world.image = lay_out(&scene, &tree, &WorldOptions { kernel, ..options.clone() }, progress)?;
+        }
+        Ok(world)
+    }
+
+    fn open_with_tree(options: &WorldOptions, progress: &Progress) -> Result<(Self, Scene, KdTree)> {
         let started = Instant::now();
         let scene = progress.during(&format!("{}: scene", options.scene), |_| open_scene(options))?;
         let loaded = started.elapsed().as_secs_f64();
@@ -113,11 +135,7 @@ impl World {
         });
         let built = started.elapsed().as_secs_f64();
         let started = Instant::now();
-        let image = progress
-            .during(&format!("{}: host image", options.scene), |_| {
-                HostImage::build(&scene, &tree, options.kernel)
-            })
-            .with_context(|| format!("scene {}", options.scene))?;
+        let image = lay_out(&scene, &tree, options, progress)?;
         let leaves = tree.nodes.iter().filter(|node| matches!(node, Node::Leaf { .. })).count();
         let world = Self {
             name: options.scene.clone(),
@@ -129,8 +147,15 @@ impl World {
             image,
             seconds: [loaded, built, started.elapsed().as_secs_f64()],
         };
-        Ok((world, scene))
+        Ok((world, scene, tree))
     }
+}
+
+/// The scene in host memory.
+fn lay_out(scene: &Scene, tree: &KdTree, options: &WorldOptions, progress: &Progress) -> Result<HostImage> {
+    progress
+        .during(&format!("{}: host image", options.scene), |_| HostImage::build(scene, tree, options.kernel))
+        .with_context(|| format!("scene {}", options.scene))
 }
 
 /// Loads the OBJ file or generates the built-in scene that `options` names.

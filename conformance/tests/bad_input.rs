@@ -47,6 +47,16 @@ fn sizes_that_make_no_cache() {
 }
 
 #[test]
+fn budgets_that_no_test_can_stay_inside() {
+    let room = room_arg();
+    let walk = |more: &[&str], parts: &[&str]| refuses(&[&["walk", &room], more].concat(), parts);
+    walk(&["--auto=x"], &["x", "--auto", "10,256"]);
+    walk(&["--auto=-1"], &["-1", "--auto"]);
+    walk(&["--auto", "--kernel", "wald"], &["--auto", "--kernel"]);
+    walk(&["--auto=0,0"], &["room.obj", "no triangle test", "--budget"]);
+}
+
+#[test]
 fn numbers_that_make_no_chip() {
     let room = room_arg();
     let simulate = |more: &[&str], parts: &[&str]| {

@@ -127,10 +127,10 @@ impl Args {
     ) -> Result<()> {
         let options = WorldOptions { kernel: scene::KERNEL, ..WorldOptions::new(scene) };
         let world = World::open(&options, progress)?;
-        ensure!(!world.path.is_empty(), "{scene}: has no camera path, and so no rays of its own");
         let rows = progress.during(&format!("{scene}: {rays} rays"), |_| {
-            scene::rows(&scene::cases(&world, rays, self.seed), contestants, REPEATS)
-        });
+            let cases = scene::cases(&world, rays, self.seed)?;
+            anyhow::Ok(scene::rows(&cases, contestants, REPEATS))
+        })?;
         let mut out = Stdout::new();
         if self.json {
             rows.iter().try_for_each(|row| json_line(&mut out, row))?;

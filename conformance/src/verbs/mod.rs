@@ -1,6 +1,7 @@
 //! The verbs of the command line: arguments in, printed results out.
 
 pub mod accuracy;
+mod auto;
 pub mod conform;
 pub mod crosscheck;
 pub mod metadata;

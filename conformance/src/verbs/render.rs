@@ -1,12 +1,12 @@
 //! `saarcor render`.
 
+use super::auto::AutoArgs;
 use crate::args::{CacheArgs, SceneArgs, TraceArgs, describe};
 use crate::limits::check_state;
 use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
 use crate::render::{Picture, through_flat_memory, through_virtual_memory};
 use crate::summary::Summary;
-use crate::world::World;
 use anyhow::Result;
 use saarcor_model::units::Bytes;
 use saarcor_model::vm::Counters;
@@ -18,6 +18,8 @@ use std::path::PathBuf;
 pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    auto: AutoArgs,
     /// Frame of the scene's path
     #[arg(long, value_name = "N", default_value_t = 0)]
     frame: usize,
@@ -68,7 +70,7 @@ impl Args {
     pub fn run(self, progress: &Progress) -> Result<()> {
         let cache = self.cache.config(&self.scene.scene)?;
         let file = OutFile::check(&self.out)?;
-        let world = World::open(&self.scene.options(Some(self.frame)), progress)?;
+        let world = self.auto.open(&self.scene, Some(self.frame), progress)?;
         check_state(cache, Bytes(world.image.bytes.len() as u64))?;
         let summary = Summary::of(&world);
         summary.lines().iter().chain([&summary.image_line()]).for_each(|line| progress.say(line));

@@ -1,5 +1,6 @@
 //! `saarcor simulate`.
 
+use super::auto::AutoArgs;
 use crate::args::{CacheArgs, ChipArgs, SceneArgs, TraceArgs, describe};
 use crate::limits::check_state;
 use crate::output::{OutFile, Stdout, json_line};
@@ -68,6 +69,8 @@ impl FrameArgs {
 pub struct Args {
     #[command(flatten)]
     frame: FrameArgs,
+    #[command(flatten)]
+    auto: AutoArgs,
     /// The picture, a PNG file
     #[arg(short, long, value_name = "FILE.png")]
     out: Option<PathBuf>,
@@ -81,7 +84,7 @@ impl Args {
     pub fn run(self, progress: &Progress) -> Result<()> {
         let config = self.frame.config()?;
         let file = self.out.as_deref().map(OutFile::check).transpose()?;
-        let world = self.frame.world(progress)?;
+        let world = self.auto.open(&self.frame.scene, Some(self.frame.frame), progress)?;
         check_state(config.cache, Bytes(world.image.bytes.len() as u64))?;
         let summary = Summary::of(&world);
         summary.lines().iter().chain([&summary.image_line()]).for_each(|line| progress.say(line));

@@ -1,5 +1,6 @@
 //! `saarcor walk`.
 
+use super::auto::AutoArgs;
 use crate::args::{CacheArgs, FrameRange, SceneArgs, Size, TraceArgs, describe};
 use crate::limits::check_state;
 use crate::output::{Stdout, json_line};
@@ -7,7 +8,6 @@ use crate::progress::Progress;
 use crate::summary::Summary;
 use crate::table::{Column, aligned, mb};
 use crate::walk::{FrameRow, WalkOptions, WalkTotals, walk};
-use crate::world::World;
 use anyhow::Result;
 use saarcor_model::geometry::Geometry;
 use saarcor_model::units::Bytes;
@@ -19,6 +19,8 @@ use std::io::{IsTerminal, stdout};
 pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    auto: AutoArgs,
     /// Frames from A on and before B [default: the whole path]
     #[arg(long, value_name = "A..B", default_value = "..", hide_default_value = true)]
     frames: FrameRange,
@@ -38,7 +40,7 @@ impl Args {
     /// Walks, and prints a row a frame.
     pub fn run(self, progress: &Progress) -> Result<()> {
         let cache = self.cache.config(&self.scene.scene)?;
-        let world = World::open(&self.scene.options(self.frames.last()), progress)?;
+        let world = self.auto.open(&self.scene, self.frames.last(), progress)?;
         let frames = self.frames.of(&world);
         check_state(cache, Bytes(world.image.bytes.len() as u64))?;
         let summary = Summary::of(&world);
