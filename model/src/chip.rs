@@ -6,12 +6,14 @@
 //! programs and the configuration. Cycles in which no phase has anything to do are left out, and
 //! nothing else is: the naive stepping of the same rules in `reference` takes every cycle.
 
+mod l1;
 mod report;
+mod unit;
 mod wheel;
 
 pub use report::{CacheReport, Observer, Report, Stall, Traffic, UnitReport};
 
-use crate::chip_config::{CHIP_CACHE_WAYS, ChipConfig, ConfigError, Version};
+use crate::chip_config::{ChipConfig, ConfigError, Version};
 use crate::memory::Port;
 use crate::pci::Pci;
 use crate::program::{Operation, Programs};
@@ -19,8 +21,9 @@ use crate::sdram::{Direction, Sdram, Span};
 use crate::set::Outcome;
 use crate::tags::{Move, Place, Tags, tags};
 use crate::units::{HostAddr, LineAddr};
-use crate::vm::Directory;
+use l1::{L1, OnTheWay, Part};
 use std::collections::VecDeque;
+use unit::Unit;
 use wheel::Wheel;
 
 /// Plays `programs` on the chip. Its caches hold what the pictures `before` left there (CH-19);
@@ -74,105 +77,6 @@ struct Thread<'a> {
     stall: Stall,
     /// The next thread that waits for the same line on its way.
     next: u32,
-}
-
-/// Bits of a counter of threads in [`Unit::waiting`].
-const COUNTER_BITS: u32 = 12;
-
-/// [`Unit::waiting`] of no thread: the cause that follows the last [`Stall`] is idleness.
-const IDLE: u64 = 1 << (Stall::ALL.len() as u32 * COUNTER_BITS);
-
-struct Unit {
-    /// Threads of the pipeline whose bytes are there, and the one served last.
-    ready: u64,
-    last: u32,
-    /// First cycle in which it can take rays, and whether an event tells of it.
-    free: u64,
-    called: bool,
-    /// Threads that wait for bytes for this unit: a counter a cause, and [`IDLE`].
-    waiting: u64,
-    /// The cycles before this one are accounted for: as busy in the report, the others by cause.
-    since: u64,
-    without_rays: [u64; Stall::ALL.len() + 1],
-    report: UnitReport,
-}
-
-impl Unit {
-    /// Accounts for the cycles before `now`, in which nothing changed (CH-18).
-    #[inline]
-    fn settle(&mut self, now: u64) {
-        let free = self.free.clamp(self.since, now);
-        self.report.busy += free - self.since;
-        self.without_rays[(self.waiting.trailing_zeros() / COUNTER_BITS) as usize] += now - free;
-        self.since = now;
-    }
-
-    /// The report of all cycles before `now`.
-    fn reported(mut self, now: u64) -> UnitReport {
-        self.settle(now);
-        let [stalls @ .., idle] = self.without_rays;
-        UnitReport { stalls, idle, ..self.report }
-    }
-}
-
-/// One thread in [`Unit::waiting`].
-#[inline]
-fn waiter(stall: Stall) -> u64 {
-    1 << (stall as u32 * COUNTER_BITS)
-}
-
-/// A first-level cache in time. Threads are masks, one a pipeline.
-struct L1 {
-    base: u32,
-    directory: Directory<CHIP_CACHE_WAYS>,
-    /// Pipelines with a thread that asks for a look-up, and the one served last.
-    asking: u64,
-    last: u32,
-    /// The threads that ask, and the one served last, for each pipeline.
-    threads: Vec<u64>,
-    last_thread: Vec<u32>,
-    /// Which registers are taken by lines on their way.
-    taken: u64,
-    on_the_way: Vec<OnTheWay>,
-    /// How many lines on their way have these lowest bits.
-    alike: [u8; 256],
-    /// Threads that wait for a register, the one that waits longest first.
-    parked: VecDeque<u32>,
-    /// Parts of missed lines that the bus manager has not taken yet.
-    parts: VecDeque<Part>,
-    report: CacheReport,
-}
-
-/// A first-level line on its way.
-#[derive(Clone, Copy, Default)]
-struct OnTheWay {
-    line: u32,
-    /// The first thread that waits.
-    waiter: u32,
-    /// Parts that have not been read from the on-board memory, and of these, those that wait for
-    /// the host.
-    parts: u32,
-    from_host: u32,
-}
-
-impl L1 {
-    /// The register of `line`, if it is on its way.
-    #[inline]
-    fn register_of(&self, line: u32) -> Option<usize> {
-        if self.alike[line as usize % 256] == 0 {
-            return None;
-        }
-        members(self.taken).find(|&register| self.on_the_way[register].line == line)
-    }
-}
-
-/// The part of a first-level line that lies in one line of the virtual memory.
-#[derive(Clone, Copy)]
-struct Part {
-    addr: u32,
-    bytes: u32,
-    cache: u8,
-    register: u8,
 }
 
 /// A part whose tag is known in cycle `ready`.
@@ -257,23 +161,6 @@ struct Chip<'a, O> {
 impl<'a, O: Observer> Chip<'a, O> {
     fn new(programs: &'a Programs, config: &'a ChipConfig, observer: &'a mut O) -> Self {
         let (pipelines, threads) = (config.pipelines as usize, config.threads as usize);
-        let l1 = Port::ALL.map(|port| {
-            let l1 = config.l1[port as usize];
-            L1 {
-                base: if port == Port::Triangle { programs.triangles.0 } else { 0 },
-                directory: Directory::new(ChipConfig::chip_cache(l1.sets)),
-                asking: 0,
-                last: NOBODY,
-                threads: vec![0; pipelines],
-                last_thread: vec![NOBODY; pipelines],
-                taken: 0,
-                on_the_way: vec![OnTheWay::default(); l1.mshrs as usize],
-                alike: [0; 256],
-                parked: VecDeque::with_capacity(pipelines * threads),
-                parts: VecDeque::new(),
-                report: CacheReport::default(),
-            }
-        });
         let thread = || Thread {
             program: &[],
             line: 0,
@@ -281,16 +168,6 @@ impl<'a, O: Observer> Chip<'a, O> {
             stage: Stage::Reading,
             stall: Stall::LookUp,
             next: NONE,
-        };
-        let unit = || Unit {
-            ready: 0,
-            last: NOBODY,
-            free: 0,
-            called: false,
-            waiting: IDLE,
-            since: 0,
-            without_rays: [0; Stall::ALL.len() + 1],
-            report: UnitReport::default(),
         };
         let all = |count: usize| u64::MAX >> (64 - count);
         Self {
@@ -303,11 +180,11 @@ impl<'a, O: Observer> Chip<'a, O> {
             free: vec![all(threads); pipelines],
             working: 0,
             threads: std::iter::repeat_with(thread).take(pipelines * threads).collect(),
-            units: std::iter::repeat_with(unit).take(4 * pipelines).collect(),
+            units: std::iter::repeat_with(Unit::new).take(4 * pipelines).collect(),
             attend: [0; 4],
             attended: 0,
             wheel: Wheel::new(pipelines * (threads + 4)),
-            l1,
+            l1: Port::ALL.map(|port| L1::new(port, programs, config)),
             asked: 0,
             missed: 0,
             returning: VecDeque::new(),
@@ -446,10 +323,7 @@ impl<'a, O: Observer> Chip<'a, O> {
             && there <= self.now
         {
             self.returning.pop_front();
-            let l1 = &mut self.l1[usize::from(cache)];
-            l1.taken &= !(1 << register);
-            let OnTheWay { line, waiter: mut thread, .. } = l1.on_the_way[usize::from(register)];
-            l1.alike[line as usize % 256] -= 1;
+            let mut thread = self.l1[usize::from(cache)].release(usize::from(register));
             while thread != NONE {
                 let next = self.threads[thread as usize].next;
                 self.answer(thread);
@@ -560,23 +434,15 @@ impl<'a, O: Observer> Chip<'a, O> {
         for cache in members(self.asked) {
             for _ in 0..self.config.l1[cache].ports {
                 let l1 = &mut self.l1[cache];
-                if l1.asking == 0 {
+                if !l1.is_asked() {
                     break;
                 }
-                let pipeline = round_robin(l1.asking, l1.last);
-                l1.last = pipeline;
-                let asking = &mut l1.threads[pipeline as usize];
-                let thread = round_robin(*asking, l1.last_thread[pipeline as usize]);
-                l1.last_thread[pipeline as usize] = thread;
-                *asking &= !(1 << thread);
-                if *asking == 0 {
-                    l1.asking &= !(1 << pipeline);
-                    if l1.asking == 0 {
-                        self.asked &= !(1 << cache);
-                    }
-                }
+                let (pipeline, thread) = l1.next_in_turn();
                 self.look_up(cache, pipeline * self.config.threads + thread);
                 self.ask_again(cache);
+            }
+            if !self.l1[cache].is_asked() {
+                self.asked &= !(1 << cache);
             }
         }
     }
@@ -585,7 +451,7 @@ impl<'a, O: Observer> Chip<'a, O> {
     #[inline]
     fn ask_again(&mut self, cache: usize) {
         let l1 = &mut self.l1[cache];
-        if l1.taken.count_ones() < self.config.l1[cache].mshrs
+        if !l1.is_full()
             && let Some(thread) = l1.parked.pop_front()
         {
             self.ask(thread);
@@ -598,8 +464,7 @@ impl<'a, O: Observer> Chip<'a, O> {
         let l1 = &mut self.l1[cache];
         let line = self.threads[number as usize].line;
         let on_its_way = l1.register_of(line);
-        let free = (!l1.taken).trailing_zeros();
-        if on_its_way.is_none() && free >= self.config.l1[cache].mshrs {
+        if on_its_way.is_none() && l1.is_full() {
             let index = l1.directory.config.set_of(LineAddr(line));
             if l1.directory.metadata.sets[index.0 as usize].way_of(LineAddr(line)).is_none() {
                 l1.parked.push_back(number);
@@ -621,17 +486,14 @@ impl<'a, O: Observer> Chip<'a, O> {
             }
             (None, Outcome::Miss { .. }) => {
                 l1.report.misses += 1;
-                l1.taken |= 1 << free;
-                l1.alike[line as usize % 256] += 1;
-                let mut way = OnTheWay { line, waiter: NONE, parts: 0, from_host: 0 };
+                let register = l1.take(line);
                 for (addr, bytes) in self.parts(cache, line) {
-                    let (cache_number, register) = (cache as u8, free as u8);
-                    self.l1[cache].parts.push_back(Part { addr, bytes, cache: cache_number, register });
-                    way.parts += 1;
+                    let part = Part { addr, bytes, cache: cache as u8, register: register as u8 };
+                    self.l1[cache].parts.push_back(part);
+                    self.l1[cache].on_the_way[register].parts += 1;
                 }
                 self.missed |= 1 << cache;
-                self.l1[cache].on_the_way[free as usize] = way;
-                free as usize
+                register
             }
         };
         let way = &mut self.l1[cache].on_the_way[register];
@@ -753,9 +615,7 @@ impl<'a, O: Observer> Chip<'a, O> {
     fn enter_queue(&mut self, number: u32) {
         let (pipeline, thread) = (number / self.config.threads, number % self.config.threads);
         let cache = self.threads[number as usize].program[0].port as usize;
-        let l1 = &mut self.l1[cache];
-        l1.threads[pipeline as usize] |= 1 << thread;
-        l1.asking |= 1 << pipeline;
+        self.l1[cache].ask(pipeline, thread);
         self.asked |= 1 << cache;
     }
 
@@ -815,18 +675,13 @@ impl<'a, O: Observer> Chip<'a, O> {
         let now = self.now;
         let thread = &mut self.threads[number as usize];
         let before = std::mem::replace(&mut thread.stall, stall);
-        let unit = self.unit(number);
-        unit.settle(now);
-        unit.waiting += waiter(stall);
-        unit.waiting -= waiter(before);
+        self.unit(number).wait_on(before, stall, now);
     }
 
     #[inline]
     fn wait_anew(&mut self, number: u32, stall: Stall) {
         let now = self.now;
-        let unit = self.unit(number);
-        unit.settle(now);
-        unit.waiting += waiter(stall);
+        self.unit(number).wait(stall, now);
         let thread = &mut self.threads[number as usize];
         thread.stall = stall;
         thread.stage = Stage::Reading;
@@ -836,9 +691,7 @@ impl<'a, O: Observer> Chip<'a, O> {
     #[inline]
     fn go_on(&mut self, number: u32) {
         let (now, stall) = (self.now, self.threads[number as usize].stall);
-        let unit = self.unit(number);
-        unit.settle(now);
-        unit.waiting -= waiter(stall);
+        self.unit(number).go_on(stall, now);
     }
 }
 
