@@ -11,8 +11,10 @@ mod moller_trumbore;
 mod narrow;
 mod number;
 mod plucker;
+mod volumes;
 mod wald;
 mod watertight;
+mod whole;
 
 pub use adaptive::{AdaptiveHit, AdaptiveRay, AdaptiveTriangle};
 pub use moller_trumbore::EdgeTriangle;

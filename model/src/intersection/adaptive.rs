@@ -1,14 +1,13 @@
 //! The adaptive test: exact hits at the cost of a fast test.
 
 use super::Candidate;
-use super::expansion::{self, SIX_FACTORS, THREE_FACTORS, two_product, two_sum};
+use super::expansion::{two_product, two_sum};
 use super::number::{Triple, dominant_axis, sub};
+use super::volumes::Volumes;
+use super::whole::Grid;
 use crate::ray::Ray;
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
-
-/// A number of up to three factors, exactly.
-type Expansion = expansion::Expansion<THREE_FACTORS>;
 
 /// The roundoff of f64.
 const UNIT: f64 = f64::EPSILON / 2.0;
@@ -32,30 +31,39 @@ const UNIT: f64 = f64::EPSILON / 2.0;
 /// weights by ν/(1 - ν) + 3u of themselves: both by ε = 2.5ν + 2u at most, if ν ≤ 1/16; otherwise
 /// nothing is certain.
 ///
-/// **Error of a test.** With S ≥ |o - a|, D the largest component of the direction, R = S + |t| D,
-/// r = 1/across and ρ = D r: `across` is off by 3.3 ε D (three roundings, γ(3) · 3 D ≤ ε D, and two
-/// words), the distance to the plane by 3.3 ε S, so that t, if 3.3 ε ρ ≤ 1/4, is off by
-/// 4/3 · 3.3 ε R r + 3u |t| ≤ 6 ε R r (ρ ≥ 1/3, since |across| ≤ 3 D). A coordinate of the point
-/// is off by (5.1 ρ + 0.5) ε R, a weight by 21 L ε ρ R, where L is the largest word of the weights,
-/// and the third weight by the sum of both: all by 64 L ε ρ R, which includes the roundings of the
-/// bound itself.
-/// Where 3.3 ε ρ > 1/4, this bound exceeds 4 L R, which no weight does: so nothing is then certain.
+/// **Error of a test.** Nothing is divided before the ray is known to meet the triangle: the height
+/// of the origin over the plane, the point and its weights are all times `across`, the direction's
+/// component across the plane. With S ≥ |o - a|, D the largest component of the direction, and three
+/// roundings, γ(3) · 3 ≤ ε: `across` is off by 3.3 ε D (its roundings, and two words), `height` by
+/// 3.5 ε S (the differences besides), a coordinate `from · across - height · d` of the point by
+/// 8.5 ε S D, since |across| ≤ 3 D and |height| ≤ 3 S, a weight by 34 L ε S D, where L is the largest
+/// word of the weights, and the third one, `across - u - v`, by 72 L ε S D + 4 ε D. All are off by
+/// E = 80 L ε D (S + 1/(8 L)) at most, which includes the roundings of E.
+///
+/// * Three weights of one sign, beyond E: inside. `across` then exceeds 3 E ≥ 30 ε D.
+/// * A weight beyond E of another sign than `across`: outside, whatever the true sign of `across`. If it
+///   is not the computed one, then |across| ≤ 3.3 ε D, less than that weight, which the other two have
+///   to make up for: two signs are opposite.
+///
+/// The distance is `height` over `across`: if inside, off by (3.5 ε S + 3.3 ε |t| D) / (0.89 |across|) and
+/// two roundings, together less than 6 ε (S + |t| D) / |across|.
+///
 /// f64 neither overflows nor underflows where it matters: a bound that is NaN or infinite is no
-/// certainty, and L R is no less than 1/4 where there is an area.
+/// certainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdaptiveTriangle {
     corners: [Vec3; 3],
+    /// Along the first of which the triangle is projected; the numbers below are in this order.
+    axes: [u8; 3],
     /// The first corner.
     corner: Triple<f64>,
-    /// Along which the triangle is projected.
-    axis: usize,
-    /// The plane's slopes along the two axes after it: the normal is 1 along `axis`.
+    /// The plane's slopes along the second and the third axis: the normal is 1 along the first.
     plane: [f64; 2],
-    /// Of the second and the third corner, along the two axes after `axis`.
+    /// Of the second and the third corner, along the second and the third axis.
     weights: [[f64; 2]; 2],
-    /// The largest coordinate of the first corner.
+    /// The largest coordinate of the first corner, and 1/(8 L).
     reach: f64,
-    /// 64 L ε.
+    /// 80 L ε.
     weight_slack: f64,
     /// 6 ε.
     distance_slack: f64,
@@ -96,16 +104,18 @@ impl AdaptiveRay {
     }
 }
 
-/// What the fast test says, and how far it may be off.
+/// What the fast test says, and how far it may be off. All but the bounds are times `across`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Estimate {
-    t: f64,
+    across: f64,
+    height: f64,
     u: f64,
     v: f64,
-    /// The least weight.
+    /// The least weight, with the sign that it has over `across`.
     margin: f64,
     weight_error: f64,
-    distance_error: f64,
+    /// Of ray and triangle together: no less than S.
+    reach: f64,
 }
 
 impl Estimate {
@@ -155,12 +165,12 @@ impl AdaptiveTriangle {
         let epsilon = if nu <= 1.0 / 16.0 { 2.5 * nu + 2.0 * UNIT } else { f64::INFINITY };
         Self {
             corners: *corners,
-            corner: a,
-            axis,
+            axes: [axis, p, q].map(|axis| axis as u8),
+            corner: [a[axis], a[p], a[q]],
             plane: [normal[p] / area, normal[q] / area],
             weights,
-            reach: DVec3::from_array(a).abs().max_element(),
-            weight_slack: 64.0 * largest * epsilon,
+            reach: DVec3::from_array(a).abs().max_element() + 0.125 / largest,
+            weight_slack: 80.0 * largest * epsilon,
             distance_slack: 6.0 * epsilon,
         }
     }
@@ -168,23 +178,25 @@ impl AdaptiveTriangle {
     /// The fast test.
     #[inline(always)]
     pub(super) fn estimate(&self, ray: &AdaptiveRay) -> Estimate {
-        let (k, p, q) = (self.axis, (self.axis + 1) % 3, (self.axis + 2) % 3);
         // Component by component: an array would be written before it is read by an index.
-        let [d_k, d_p, d_q] = [k, p, q].map(|axis| ray.direction[axis]);
-        let [from_k, from_p, from_q] = [k, p, q].map(|axis| ray.origin[axis] - self.corner[axis]);
-        let across = d_k + self.plane[0] * d_p + self.plane[1] * d_q;
-        let reciprocal = 1.0 / across;
-        let t = -(from_k + self.plane[0] * from_p + self.plane[1] * from_q) * reciprocal;
-        let (x, y) = (from_p + t * d_p, from_q + t * d_q);
+        let [k, p, q] = self.axes.map(usize::from);
+        let [d_k, d_p, d_q] = [ray.direction[k], ray.direction[p], ray.direction[q]];
+        let [a_k, a_p, a_q] = self.corner;
+        let [from_k, from_p, from_q] = [ray.origin[k] - a_k, ray.origin[p] - a_p, ray.origin[q] - a_q];
+        let across = d_k + (self.plane[0] * d_p + self.plane[1] * d_q);
+        let height = from_k + (self.plane[0] * from_p + self.plane[1] * from_q);
+        let (x, y) = (from_p * across - height * d_p, from_q * across - height * d_q);
         let [u, v] = self.weights.map(|[w_x, w_y]| w_x * x + w_y * y);
-        let scale = (ray.reach + self.reach + t.abs() * ray.size) * reciprocal.abs();
+        let over_across = |weight: f64| weight * 1.0_f64.copysign(across);
+        let reach = ray.reach + self.reach;
         Estimate {
-            t,
+            across,
+            height,
             u,
             v,
-            margin: u.min(v).min(1.0 - u - v),
-            weight_error: self.weight_slack * ray.size * scale,
-            distance_error: self.distance_slack * scale,
+            margin: least(over_across(u), over_across(v), over_across(across - u - v)),
+            weight_error: self.weight_slack * (ray.size * reach),
+            reach,
         }
     }
 
@@ -208,10 +220,13 @@ impl AdaptiveTriangle {
     /// one: traversal cuts off by it what lies behind (KD-4).
     #[inline(always)]
     fn in_range(&self, ray: &AdaptiveRay, found: &Estimate) -> Option<AdaptiveHit<'_>> {
-        let Estimate { t, u, v, distance_error: error, .. } = *found;
+        let reciprocal = 1.0 / found.across;
+        let t = -found.height * reciprocal;
+        let error = self.distance_slack * ((found.reach + t.abs() * ray.size) * reciprocal.abs());
         let (t_min, t_max) = (f64::from(ray.ray.t_min), f64::from(ray.ray.t_max));
         let known = error <= t.abs() * f64::from(f32::EPSILON / 2.0);
         if known & ((t - t_min).abs() > error) & ((t - t_max).abs() > error) {
+            let (u, v) = (found.u * reciprocal, found.v * reciprocal);
             let hit = AdaptiveHit { t, u, v, t_error: error, corners: &self.corners };
             ((t > t_min) & (t < t_max)).then_some(hit)
         } else {
@@ -220,28 +235,58 @@ impl AdaptiveTriangle {
     }
 
     /// Without rounding, but for that of the numbers in the end.
-    #[cold]
-    #[inline(never)]
+    #[inline(always)]
     fn intersect_exactly(&self, ray: &Ray) -> Option<AdaptiveHit<'_>> {
-        let volumes = Volumes::new(ray, &self.corners)?;
+        // Put together here, so that what is usual need not go through memory.
+        let [t, u, v] = exact_point(ray, &self.corners)?;
+        Some(AdaptiveHit { t, u, v, t_error: exact_error(t), corners: &self.corners })
+    }
+}
+
+/// Distance and weights where `ray` hits the triangle within its range.
+#[cold]
+#[inline(never)]
+fn exact_point(ray: &Ray, corners: &[Vec3; 3]) -> Option<[f64; 3]> {
+    if let Some(volumes) = Grid::new(ray, corners).and_then(|grid| grid.volumes(corners)) {
         if !volumes.are_inside() {
             return None;
         }
-        let height = volumes.height();
-        let starts = volumes.distance_to(&height, ray.t_min)? != Ordering::Less;
-        let ends = volumes.distance_to(&height, ray.t_max)? == Ordering::Less;
-        let sum = volumes.sum.nearest();
-        let over_sum = |number: &Expansion| number.nearest() / sum;
-        let t = over_sum(&height);
-        (starts && ends).then(|| AdaptiveHit {
-            t,
-            u: over_sum(&volumes.weights[1]),
-            v: over_sum(&volumes.weights[2]),
-            // Numerator, divisor and quotient are each rounded once.
-            t_error: 4.0 * UNIT * t.abs(),
-            corners: &self.corners,
-        })
+        let point @ [t, ..] = volumes.point();
+        let to = |bound| volumes.distance_to(bound, exact_error(t));
+        if let Some((starts, ends)) = to(ray.t_min).zip(to(ray.t_max)) {
+            return (starts != Ordering::Less && ends == Ordering::Less).then_some(point);
+        }
     }
+    let volumes = Volumes::new(ray, corners).filter(Volumes::are_inside)?;
+    let starts = volumes.distance_to(ray.t_min)? != Ordering::Less;
+    let ends = volumes.distance_to(ray.t_max)? == Ordering::Less;
+    (starts && ends).then(|| volumes.point())
+}
+
+/// Which of two triangles that `ray` hits is nearer.
+#[cold]
+#[inline(never)]
+fn exact_order(ray: &Ray, a: &[Vec3; 3], b: &[Vec3; 3]) -> Ordering {
+    let on_grid = || {
+        let grid = Grid::new(ray, a.iter().chain(b))?;
+        Some(grid.volumes(a)?.order(&grid.volumes(b)?))
+    };
+    on_grid().unwrap_or_else(|| {
+        let volumes = Volumes::new(ray, a).zip(Volumes::new(ray, b));
+        volumes.map_or(Ordering::Equal, |(a, b)| a.order(&b))
+    })
+}
+
+/// By how much a distance may be off as a numerator, a divisor and a quotient that are each rounded once.
+fn exact_error(t: f64) -> f64 {
+    4.0 * UNIT * t.abs()
+}
+
+/// The least of three numbers, NaN if the last is.
+#[inline(always)]
+fn least(a: f64, b: f64, c: f64) -> f64 {
+    let least = if a < b { a } else { b };
+    if least < c { least } else { c }
 }
 
 impl AdaptiveHit<'_> {
@@ -254,19 +299,9 @@ impl AdaptiveHit<'_> {
         if difference.abs() > error {
             if difference < 0.0 { Ordering::Less } else { Ordering::Greater }
         } else {
-            self.order_exactly(other, ray)
+            // Not the hits themselves, which would have to be in memory for it.
+            exact_order(ray, self.corners, other.corners)
         }
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn order_exactly(&self, other: &AdaptiveHit, ray: &Ray) -> Ordering {
-        let volumes = Volumes::new(ray, self.corners).zip(Volumes::new(ray, other.corners));
-        let Some((a, b)) = volumes else { return Ordering::Equal };
-        // a.height / a.sum against b.height / b.sum.
-        let across = |height: Expansion, sum: &Expansion| height.times::<SIX_FACTORS>(sum);
-        let order = across(a.height(), &b.sum).minus(&across(b.height(), &a.sum)).sign();
-        if a.sum.sign() == b.sum.sign() { order } else { order.reverse() }
     }
 
     /// As a candidate in f32.
@@ -275,77 +310,6 @@ impl AdaptiveHit<'_> {
     pub fn rounded(&self) -> Candidate {
         Candidate { t: self.t as f32, u: self.u as f32, v: self.v as f32, inside: true }
     }
-}
-
-/// With the corners counted from the origin: the weights of the corners where the ray's line meets
-/// the plane, times their sum.
-struct Volumes {
-    weights: [Expansion; 3],
-    sum: Expansion,
-    corner: Triple<Expansion>,
-    /// The cross product of the other two corners.
-    others: Triple<Expansion>,
-}
-
-impl Volumes {
-    /// `None` where line and plane have not just one point in common, or a number is NaN or
-    /// infinite.
-    fn new(ray: &Ray, corners: &[Vec3; 3]) -> Option<Self> {
-        let finite = ray.origin.is_finite() && ray.direction.is_finite();
-        if !finite || !corners.iter().all(|corner| corner.is_finite()) {
-            return None;
-        }
-        let [a, b, c] = corners.map(|corner| {
-            std::array::from_fn(|axis| {
-                Expansion::difference(f64::from(corner[axis]), f64::from(ray.origin[axis]))
-            })
-        });
-        let direction = ray.direction.to_array().map(f64::from);
-        let b_c = cross(&b, &c);
-        let weights =
-            [along(&direction, &b_c), along(&direction, &cross(&c, &a)), along(&direction, &cross(&a, &b))];
-        let sum = weights[0].plus(&weights[1]).plus(&weights[2]);
-        (sum.sign() != Ordering::Equal).then_some(Self { weights, sum, corner: a, others: b_c })
-    }
-
-    /// The distance, times the sum of the weights.
-    fn height(&self) -> Expansion {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.corner[axis].times::<THREE_FACTORS>(&self.others[axis]));
-        x.plus(&y).plus(&z)
-    }
-
-    /// Whether no weight has another sign than their sum.
-    fn are_inside(&self) -> bool {
-        self.weights.iter().all(|weight| weight.sign() != self.sum.sign().reverse())
-    }
-
-    /// How the distance, of this height, compares to `bound`; `None` where that is NaN.
-    fn distance_to(&self, height: &Expansion, bound: f32) -> Option<Ordering> {
-        if !bound.is_finite() {
-            return 0.0.partial_cmp(&bound);
-        }
-        // Four factors, which need more room than three.
-        let wide = |number: &Expansion, factor: f32| {
-            let factor = expansion::Expansion::difference(f64::from(factor), 0.0);
-            number.times::<SIX_FACTORS>(&factor)
-        };
-        let order = wide(height, 1.0).minus(&wide(&self.sum, bound)).sign();
-        Some(if self.sum.sign() == Ordering::Greater { order } else { order.reverse() })
-    }
-}
-
-/// `a × b`.
-fn cross(a: &Triple<Expansion>, b: &Triple<Expansion>) -> Triple<Expansion> {
-    std::array::from_fn(|axis| {
-        let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
-        a[p].times::<THREE_FACTORS>(&b[q]).minus(&a[q].times(&b[p]))
-    })
-}
-
-/// The product of a direction and a vector.
-fn along(direction: &Triple<f64>, vector: &Triple<Expansion>) -> Expansion {
-    let [x, y, z] = [0, 1, 2].map(|axis| vector[axis].scaled(direction[axis]));
-    x.plus(&y).plus(&z)
 }
 
 #[cfg(test)]
@@ -364,7 +328,8 @@ mod tests {
         let ray = AdaptiveRay::new(&Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY });
         let known = |t: f64| t * f64::from(f32::EPSILON / 2.0);
         let fast = triangle.estimate(&ray);
-        assert!(fast.margin > fast.weight_error && fast.distance_error > known(fast.t), "{fast:?}");
+        let error = triangle.distance_slack * fast.reach / fast.across.abs();
+        assert!(fast.margin > fast.weight_error && error > known(f64::from(ahead)), "{fast:?}");
         let hit = triangle.intersect(&ray).expect("inside");
         assert!(hit.t == f64::from(ahead) && hit.t_error <= known(hit.t), "{hit:?}");
     }
