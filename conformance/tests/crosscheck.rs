@@ -48,6 +48,15 @@ fn bad_rays_are_refused_before_anything_is_made() {
     refusal_of(&["crosscheck", &room, "--rays", "0"]);
 }
 
+#[test]
+fn a_bad_scene_is_refused_also_without_python() {
+    let args = ["crosscheck", "no/such/scene.obj", "--environment", "no/such/environments"];
+    let output = saarcor(&args).env("SAARCOR_PYTHON", "/no/such/python").output().expect("runs");
+    let stderr = String::from_utf8(output.stderr).expect("text");
+    assert_eq!(output.status.code(), Some(2), "{stderr}");
+    assert!(stderr.contains("no/such/scene.obj"), "{stderr}");
+}
+
 /// What is asked of the JSON object.
 #[derive(Debug, Deserialize)]
 struct Report {

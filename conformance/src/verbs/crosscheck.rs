@@ -54,8 +54,9 @@ impl Args {
         let out = self.out.as_deref().map(OutFile::check).transpose()?;
         let mut options = self.scene.options(None);
         options.kernel = self.scene.kernel.unwrap_or(Kernel::Adaptive);
-        let embree = Embree::open(&self.environment, progress)?;
+        // What is wrong with the scene is said first, also where there is no Embree.
         let (world, scene) = World::open_with_scene(&options, progress)?;
+        let embree = Embree::open(&self.environment, progress)?;
         let triangles: Vec<[Vec3; 3]> = scene.triangles.iter().map(|triangle| triangle.corners).collect();
         let asked = match &replayed {
             Some(replayed) => replayed.clone(),
