@@ -8,8 +8,8 @@ use saarcor_conformance::accuracy::contest::{Contestant, Format};
 use saarcor_conformance::accuracy::measure::{Extent, Row, measure};
 use saarcor_conformance::accuracy::suites::{SUITES, Suite};
 use saarcor_model::intersection::{
-    Bf16, EdgeTriangle, F16, F24, Kernel, Number, PluckerTriangle, ProjectedTriangle, TriangleTest,
-    WatertightTriangle,
+    AdaptiveRay, AdaptiveTriangle, Bf16, EdgeTriangle, F16, F24, Kernel, Number, PluckerTriangle,
+    ProjectedTriangle, TriangleTest, WatertightTriangle,
 };
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -187,9 +187,29 @@ fn all_stay_in_bound<R: Number>(format: &str, cases: u64) {
     stays_in_bound::<R, WatertightTriangle<Bounded<R>>>(&format!("watertight {format}"), cases);
 }
 
+/// The adaptive test hands out its bound with each hit.
+fn adaptive_stays_in_bound(cases: u64) {
+    for suite in &SUITES {
+        for number in 0..cases {
+            let case = suite.case(11, number);
+            let ray = AdaptiveRay::new(&case.ray);
+            for corners in &case.triangles {
+                let triangle = AdaptiveTriangle::new(corners);
+                let Some(found) = triangle.intersect(&ray) else { continue };
+                let truth = Truth::of(&Case { triangles: vec![*corners], ..case.clone() });
+                let truth = truth.0.first().expect("the adaptive test is never wrong");
+                let (error, bound) =
+                    ((found.t - truth.t).abs(), found.t_error + truth.t.abs() * f64::EPSILON);
+                assert!(error <= bound, "{} {number}: {error:e} beyond {bound:e}", suite.name);
+            }
+        }
+    }
+}
+
 #[test]
 fn distances_stay_in_their_bounds() {
     const CASES: u64 = 300;
+    adaptive_stays_in_bound(CASES);
     all_stay_in_bound::<f64>("f64", CASES);
     all_stay_in_bound::<f32>("f32", CASES);
     all_stay_in_bound::<F24>("f24", CASES);
