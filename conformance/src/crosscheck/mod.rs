@@ -211,7 +211,8 @@ pub fn crosscheck(
 }
 
 /// What the model's triangle test hits first among all triangles of the image, without a tree.
-fn search(image: &HostImage, triangles: &[[Vec3; 3]], rays: &[Ray]) -> Vec<Option<Hit>> {
+#[must_use]
+pub fn search(image: &HostImage, triangles: &[[Vec3; 3]], rays: &[Ray]) -> Vec<Option<Hit>> {
     let corners = |id: &u32| triangles[*id as usize];
     let prepare = |id| Prepared::new(image.registers.kernel, &corners(id));
     let prepared: Vec<Prepared> = image.triangle_ids.iter().map(prepare).collect();
