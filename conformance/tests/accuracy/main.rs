@@ -149,8 +149,11 @@ mod fused {
                 WatertightTriangle::<f32>::ray(case.ray.origin.to_array(), case.ray.direction.to_array());
             // Corners to both sides of the plane of ray and edge.
             let across = (b - a).cross(case.ray.direction).normalize_or_zero() * (b - a).length();
-            let inside = |apex| WatertightTriangle::<f32>::new(&[a, b, apex]).intersect(&ray).inside;
-            assert!(inside(a.midpoint(b) + across) || inside(a.midpoint(b) - across), "{number}: {case:?}");
+            let inside = |corners| WatertightTriangle::<f32>::new(&corners).intersect(&ray).inside;
+            let middle = a.midpoint(b);
+            // Each sees the edge from its own side: in the same order both would err alike.
+            let hit = inside([a, b, middle + across]) || inside([b, a, middle - across]);
+            assert!(hit, "{number}: {case:?}");
         }
     }
 }
