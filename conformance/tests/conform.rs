@@ -41,6 +41,14 @@ const WALK: &[(&str, i32, &str)] = &[
     ),
     ("saarcor conform run \"my-cache/cache\" --level data --suite vm/lru-victim", 0, "up to level data"),
     ("saarcor conform run model --requests 100000", 0, "208  208"),
+    ("saarcor conform new kd-c my-kd", 0, ""),
+    ("saarcor conform run my-kd --requests 50000", 0, "conforms; agrees up to level traversal"),
+    (
+        "saarcor conform run my-kd --level rays --suite kd/hit-beyond-the-cell",
+        0,
+        "conforms; agrees up to level rays",
+    ),
+    ("saarcor conform generate kd/random/5 --requests 100", 0, "kernel=moller-trumbore"),
 ];
 
 #[test]

@@ -56,6 +56,11 @@ pub trait Kind: Sync {
     /// Requests that are simpler than one, the boldest first.
     fn simpler_requests(&self, session: &Session, request: &[u8]) -> Vec<String>;
 
+    /// Sessions that are simpler as a whole, where it takes several requests to say something simpler.
+    fn simpler_sessions(&self, _session: &Session) -> Vec<Session> {
+        Vec::new()
+    }
+
     /// The model's state before a request, for a person.
     fn state_before(&self, session: &Session, request: usize) -> Vec<String>;
 

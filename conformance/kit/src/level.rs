@@ -15,11 +15,19 @@ pub enum Level {
     Traffic,
     /// The same way and the same victim.
     State,
+    /// Each ray hits the same triangle at the same distance, or one as good within the derived bound.
+    Rays,
+    /// The same nodes, list entries and triangles are read, in the same order.
+    Traversal,
 }
 
 impl Level {
     /// All levels, the lowest first.
-    pub const ALL: [Self; 4] = [Self::Protocol, Self::Data, Self::Traffic, Self::State];
+    pub const ALL: [Self; 6] =
+        [Self::Protocol, Self::Data, Self::Traffic, Self::State, Self::Rays, Self::Traversal];
+
+    /// The highest.
+    pub const HIGHEST: Self = Self::Traversal;
 
     /// The level's name.
     #[must_use]
@@ -29,6 +37,8 @@ impl Level {
             Self::Data => "data",
             Self::Traffic => "traffic",
             Self::State => "state",
+            Self::Rays => "rays",
+            Self::Traversal => "traversal",
         }
     }
 }

@@ -12,6 +12,7 @@
 //! | [`suites`] | the directed sessions |
 //! | [`kind`] | what is particular to a kind of implementation |
 //! | [`vm`] | `saarcor-vm`: the virtual memory |
+//! | [`kd`] | `saarcor-kd`: traversal and intersection |
 //! | [`hash`] | `saarcor-hash`: the set of a line |
 //! | [`hex`], [`random`] | numbers as text; the random sequence of a seed |
 //! | [`serve`] | an implementation in Rust, and the protocol around it |
@@ -31,6 +32,7 @@ pub mod dut;
 pub mod hash;
 pub mod hex;
 pub mod judge;
+pub mod kd;
 pub mod kind;
 pub mod level;
 pub mod random;
@@ -45,7 +47,7 @@ pub mod templates;
 pub mod vm;
 
 /// All kinds, in the order in which an implementation is asked for them.
-pub const KINDS: &[&dyn kind::Kind] = &[&vm::Vm, &hash::SetHash];
+pub const KINDS: &[&dyn kind::Kind] = &[&vm::Vm, &hash::SetHash, &kd::Kd];
 
 /// The kind of that name.
 #[must_use]

@@ -45,7 +45,7 @@ pub struct Options {
 impl Options {
     /// The highest level that is judged.
     fn highest(&self) -> Level {
-        self.level.unwrap_or(Level::State)
+        self.level.unwrap_or(Level::HIGHEST)
     }
 }
 

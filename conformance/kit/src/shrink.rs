@@ -23,6 +23,7 @@ pub fn shrink(
         Shrinking { kind, session: session.clone(), requests, finding: finding.clone(), fails, tries: 0 };
     shrinking.cut();
     shrinking.leave_out();
+    shrinking.simplify_session();
     shrinking.simplify_config();
     shrinking.simplify_requests();
     (shrinking.session, shrinking.finding)
@@ -86,6 +87,15 @@ impl Shrinking<'_, '_> {
                 return;
             }
         }
+    }
+
+    fn simplify_session(&mut self) {
+        while self.kind.simpler_sessions(&self.session).into_iter().any(|session| {
+            session.requests().count() <= self.requests.len() && session != self.session && self.take(session)
+        }) {
+            self.cut();
+        }
+        self.leave_out();
     }
 
     fn simplify_config(&mut self) {

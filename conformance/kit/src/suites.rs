@@ -77,6 +77,53 @@ pub const HASH: &[(&str, &str)] = suites![
     "hash/one-set",
 ];
 
+/// Suites of `saarcor-kd`.
+pub const KD: &[(&str, &str)] = suites![
+    "kd/hello-and-end",
+    "kd/one-answer-a-request",
+    "kd/comments",
+    "kd/no-triangles",
+    "kd/corners-of-a-triangle",
+    "kd/distance-counts-directions",
+    "kd/both-faces",
+    "kd/inside-and-outside",
+    "kd/edges-belong",
+    "kd/corners-belong",
+    "kd/ray-in-the-plane-of-a-triangle",
+    "kd/behind-the-origin",
+    "kd/range-begins-closed",
+    "kd/range-ends-open",
+    "kd/nearest-wins",
+    "kd/tie-goes-to-the-lower-address",
+    "kd/list-names-triangles",
+    "kd/plane-across-x",
+    "kd/plane-across-y",
+    "kd/plane-across-z",
+    "kd/children-anywhere",
+    "kd/hit-beyond-the-cell",
+    "kd/triangle-in-two-cells",
+    "kd/empty-cells",
+    "kd/any-hit",
+    "kd/parallel-below",
+    "kd/ray-in-the-split-plane",
+    "kd/parallel-to-the-box",
+    "kd/near-child-first",
+    "kd/minus-zero",
+    "kd/outside-of-the-box",
+    "kd/one-child",
+    "kd/at-the-very-plane",
+    "kd/widened-by-the-bound",
+    "kd/no-bound-both-children",
+    "kd/hit-cuts-off",
+    "kd/all-of-a-list",
+    "kd/stack-of-64",
+    "kd/scene-written-anew",
+    "kd/scene-anywhere",
+    "kd/exact-order",
+    "kd/exact-edges",
+    "kd/no-hole-between-triangles",
+];
+
 #[cfg(test)]
 mod tests {
     use crate::KINDS;

@@ -27,6 +27,8 @@ pub const TEMPLATES: &[Template] = &[
     template!("c": "cache.c", "dut.toml"),
     template!("python": "cache.py", "dut.toml"),
     template!("hash": "set_of.py", "dut.toml"),
+    template!("kd-c": "kd.c", "dut.toml"),
+    template!("kd-python": "kd.py", "dut.toml"),
     template!("verilog": "cache.v", "bench.v", "serve", "dut.toml"),
     template!("rust": "Cargo.toml", "src/lib.rs", "src/main.rs", "tests/conforms.rs", "dut.toml"),
 ];

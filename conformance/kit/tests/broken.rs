@@ -5,6 +5,7 @@
 use rayon::prelude::*;
 use saarcor_kit::dut::Dut;
 use saarcor_kit::judge::Judge;
+use saarcor_kit::kd::Kd;
 use saarcor_kit::kind::Kind;
 use saarcor_kit::level::Level;
 use saarcor_kit::report::{Failure, Verdict};
@@ -61,7 +62,7 @@ fn some_fail(dut: &dyn Dut, kind: &dyn Kind, failure: &Session, length: usize) -
             })
             .collect();
         let session = failure.with_requests(requests);
-        let mut judge = Judge::new(kind, &session, Level::State);
+        let mut judge = Judge::new(kind, &session, Level::HIGHEST);
         dut.converse(&session, &mut judge).expect("it runs");
         !judge.findings().is_empty()
     })
@@ -82,6 +83,11 @@ fn every_fault_is_found_for_its_requirement_by_few_requests() {
             let Failure { requirement, level, .. } = &failure;
             if (requirement, level.name()) != (&fault.requirement, fault.level.as_str()) {
                 return Some(format!("{}: {requirement} at level {level}\n{}", fault.name, failure.text()));
+            }
+            // A ray has a scene: at least a box, a node, a list and a triangle.
+            if kind.name() == Kd.name() {
+                let long = failure.minimal_requests > 3 * 5 && level.name() != "protocol";
+                return long.then(|| format!("{}: long\n{}", fault.name, failure.text()));
             }
             // At most three times as many as the shortest: none of a third fails.
             let suite = String::from_utf8(failure.suite.clone()).expect("text");

@@ -61,19 +61,20 @@ fn suites_and_answers(mutations: u64) {
                     continue;
                 }
                 let right = answers(session.text());
-                let checked = check(kind, session, &right, Level::State);
+                let checked = check(kind, session, &right, Level::HIGHEST);
                 assert_eq!(checked.findings, [], "{}", String::from_utf8_lossy(session.text()));
                 let wrong = mutated(&right, &mut random);
-                for finding in check(kind, session, &wrong, Level::State).findings {
+                for finding in check(kind, session, &wrong, Level::HIGHEST).findings {
                     if let Some(request) = finding.request {
                         kind.state_before(session, request);
                     }
                 }
                 kind.simpler_configs(session.config());
+                kind.simpler_sessions(session);
                 for request in session.requests() {
                     kind.simpler_requests(session, request);
                 }
-                let mut judge = Judge::new(kind, session, Level::State);
+                let mut judge = Judge::new(kind, session, Level::HIGHEST);
                 saarcor_kit::dut::Dut::converse(&InProcess::oracle(Oracle::Naive), session, &mut judge)
                     .expect("it runs");
                 assert_eq!(judge.findings(), []);

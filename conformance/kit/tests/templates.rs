@@ -3,7 +3,9 @@
 
 use saarcor_kit::dut::{Dut, InProcess};
 use saarcor_kit::hash::SetHash;
+use saarcor_kit::kd::Kd;
 use saarcor_kit::kind::Kind;
+use saarcor_kit::level::Level;
 use saarcor_kit::report::{Report, Verdict};
 use saarcor_kit::run::{Options, Planned, default_suite, run};
 use saarcor_kit::target::Target;
@@ -71,6 +73,34 @@ fn hash_conforms() {
         default_suite(&SetHash, &Options { requests: 24_000, ..Options::default() }).expect("suites");
     let planned: Vec<_> = planned.into_iter().step_by(3).collect();
     conforms_to(&SetHash, &*target.dut, &planned);
+}
+
+#[test]
+fn kd_c_conforms_whatever_the_seed() {
+    let (_folder, target) = template("kd-c");
+    let planned = default_suite(&Kd, &Options { requests: 48_000, ..Options::default() }).expect("suites");
+    let report = conforms_to(&Kd, &*target.dut, &planned);
+    assert_eq!(report.highest, Some(Level::Traversal));
+    assert_eq!(report.unsupported.iter().map(|row| row.key.as_str()).collect::<Vec<_>>(), ["kernel"]);
+    conforms_to(&Kd, &*target.dut, &seeds(200, 200));
+}
+
+/// One session in ten: starting Python takes most of the time.
+#[test]
+fn kd_python_conforms_in_some_sessions() {
+    let (_folder, target) = template("kd-python");
+    let planned = default_suite(&Kd, &Options { requests: 12_000, ..Options::default() }).expect("suites");
+    let planned: Vec<_> = planned.into_iter().step_by(10).collect();
+    assert_eq!(conforms_to(&Kd, &*target.dut, &planned).highest, Some(Level::Traversal));
+}
+
+#[test]
+#[ignore = "starts Python 250 times"]
+fn kd_python_conforms_whatever_the_seed() {
+    let (_folder, target) = template("kd-python");
+    let planned = default_suite(&Kd, &Options { requests: 12_000, ..Options::default() }).expect("suites");
+    conforms_to(&Kd, &*target.dut, &planned);
+    conforms_to(&Kd, &*target.dut, &seeds(200, 200));
 }
 
 /// One session in ten: starting Python takes most of the time.

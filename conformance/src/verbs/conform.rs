@@ -281,7 +281,7 @@ struct CheckArgs {
     #[arg(value_name = "ANSWERS")]
     answers: PathBuf,
     /// The highest level to judge
-    #[arg(long, value_parser = levels(), default_value = Level::State.name())]
+    #[arg(long, value_parser = levels(), default_value = Level::HIGHEST.name())]
     level: Level,
     /// Prints the differences as lines of JSON
     #[arg(long)]

@@ -50,6 +50,7 @@ impl Comparison for VmComparison<'_> {
             Level::Traffic => hit,
             // With the way of each miss, the victim is known too.
             Level::State => hit && card,
+            _ => false,
         }
     }
 

@@ -1,0 +1,97 @@
+//! Compares the answers of `saarcor-kd` with the model's, and what differs with what is true.
+
+use super::request::{Answer, Observes, Request};
+use super::served::KdServed;
+use super::truth::Truth;
+use crate::kind::{Comparison, Difference, Oracle};
+use crate::level::Level;
+use crate::serve::Served as _;
+use crate::session::Session;
+use saarcor_model::ray::{Query, Ray};
+
+/// The comparison of one session.
+pub struct KdComparison {
+    observes: Observes,
+    model: KdServed,
+    expected: Vec<u8>,
+}
+
+impl KdComparison {
+    /// Compares what `observes` lists.
+    ///
+    /// # Errors
+    /// What is wrong with the list or the configuration.
+    pub fn new(session: &Session, observes: &str) -> Result<Self, String> {
+        let model = KdServed::new(Oracle::Model, session.config()).map_err(|wrong| wrong.0)?;
+        Ok(Self { observes: Observes::parse(observes)?, model, expected: Vec::new() })
+    }
+
+    /// Judges an answer to a ray that is not the model's to the letter.
+    fn judge(
+        &mut self,
+        (query, ray): (Query, Ray),
+        answer: &[u8],
+        found: &mut dyn FnMut(Difference),
+    ) -> Result<(), String> {
+        let got = Answer::parse(answer, query, self.observes)?;
+        let right = Answer::parse(&self.expected, query, self.observes)?;
+        let (scene, _) = self.model.scene()?;
+        let truth = Truth::new(scene, &ray);
+        let checked = match query {
+            Query::Closest => truth.check_closest(got.hit.as_ref()),
+            Query::Any => truth.check_any(got.hit.is_some()),
+        };
+        if let Err((requirement, says)) = checked {
+            found(Difference { level: Level::Rays, says, requirement });
+        }
+        if got.touched != right.touched {
+            found(Difference {
+                level: Level::Traversal,
+                says: first_difference(got.touched.as_deref(), right.touched.as_deref()),
+                requirement: "KD-3",
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Where two lists of addresses part.
+fn first_difference(got: Option<&[u32]>, right: Option<&[u32]>) -> String {
+    let (got, right) = (got.unwrap_or_default(), right.unwrap_or_default());
+    let place = got.iter().zip(right).take_while(|(got, right)| got == right).count();
+    let shown = |list: &[u32]| list.get(place).map_or("nothing".to_owned(), |addr| format!("{addr:x}"));
+    format!("read {} reads {}; {} is right", place + 1, shown(got), shown(right))
+}
+
+impl Comparison for KdComparison {
+    fn observed(&self, level: Level) -> bool {
+        let Observes { triangle, t, touched, .. } = self.observes;
+        match level {
+            Level::Protocol => true,
+            Level::Rays => triangle && t,
+            Level::Traversal => touched,
+            _ => false,
+        }
+    }
+
+    fn compare(
+        &mut self,
+        request: &[u8],
+        answer: &[u8],
+        found: &mut dyn FnMut(Difference),
+    ) -> Result<(), String> {
+        self.expected.clear();
+        self.model.answer(request, &mut self.expected)?;
+        if answer == self.expected {
+            return Ok(());
+        }
+        match Request::parse(request)? {
+            Request::Trace(query, ray) => self.judge((query, ray), answer, found),
+            _ => Err("'ok' is right".to_owned()),
+        }
+    }
+
+    fn expected(&self) -> &[u8] {
+        &self.expected
+    }
+}

@@ -1,0 +1,189 @@
+//! Scenes made for sessions: a tree over triangles, and the requests that tell it.
+
+use super::request::{push_bounds, push_write};
+use super::world::Scene;
+use crate::random::Random;
+use glam::Vec3;
+use saarcor_model::image::{HostImage, NODE_BYTES, REGION_ALIGNMENT, TRIANGLE_BYTES};
+use saarcor_model::intersection::Kernel;
+use saarcor_model::kdtree::{Aabb, Axis, KdTree, Node};
+use saarcor_model::scene::{Material, Scene as ModelScene, Triangle};
+
+/// Triangles of a cell that is not cut.
+const MAX_LEAF: usize = 2;
+/// Greatest depth of a leaf: enough for some dozen triangles.
+const MAX_DEPTH: u32 = 5;
+
+/// Triangles with a tree over them; none has no area (HI-4).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Made {
+    /// The tree over `triangles`.
+    pub tree: KdTree,
+    /// Corners.
+    pub triangles: Vec<[Vec3; 3]>,
+}
+
+impl Made {
+    /// Those of `triangles` that have an area, cut at random coordinates of the boxes around them. A
+    /// triangle goes to each side to which its box reaches, and below a plane that it lies in.
+    #[must_use]
+    pub fn new(triangles: &[[Vec3; 3]], random: &mut Random) -> Self {
+        let has_area = |corners: &&[Vec3; 3]| !Triangle { corners: **corners, material: 0 }.is_degenerate();
+        let triangles: Vec<_> = triangles.iter().filter(has_area).copied().collect();
+        let bounds = Aabb::around(triangles.iter().flatten().copied());
+        let bounds = if triangles.is_empty() { Aabb { min: Vec3::ZERO, max: Vec3::ZERO } } else { bounds };
+        let mut tree = KdTree { bounds, nodes: vec![Node::Leaf { first: 0, count: 0 }], refs: Vec::new() };
+        let boxes: Vec<_> = triangles.iter().map(|corners| Aabb::around(*corners)).collect();
+        cut(&mut tree, (0, 0), &boxes, &(0..triangles.len() as u32).collect::<Vec<_>>(), random);
+        Self { tree, triangles }
+    }
+
+    /// The triangles and the tree of a scene.
+    #[must_use]
+    pub fn of(scene: &Scene) -> Self {
+        Self { tree: scene.tree.clone(), triangles: scene.corners.clone() }
+    }
+
+    /// The requests that tell it, laid out as HI-2 says: a line for the box, for each node, for all lists,
+    /// and for each triangle.
+    #[must_use]
+    pub fn requests(&self) -> Vec<u8> {
+        let mut text = Vec::new();
+        push_bounds(&mut text, &self.tree.bounds);
+        let triangle = |corners: &[Vec3; 3]| Triangle { corners: *corners, material: 0 };
+        let scene = ModelScene {
+            triangles: self.triangles.iter().map(triangle).collect(),
+            materials: vec![Material::default()],
+            ..ModelScene::default()
+        };
+        // All kernels of this kind read corners. A tree that is none says so when it is asked for.
+        let Ok(image) = HostImage::build(&scene, &self.tree, Kernel::MollerTrumbore) else { return text };
+        let [nodes, lists, triangles, ..] = image.region_bytes.map(|bytes| bytes.0 as usize);
+        let mut region = |start: usize, bytes: usize, item: usize| {
+            for place in (start..start + bytes).step_by(item.max(1)) {
+                push_write(&mut text, place as u32, &image.bytes[place..place + item]);
+            }
+        };
+        region(0, nodes, NODE_BYTES as usize);
+        region(nodes.next_multiple_of(REGION_ALIGNMENT as usize), lists, lists);
+        region(image.registers.triangles.0 as usize, triangles, TRIANGLE_BYTES as usize);
+        text
+    }
+
+    /// Scenes that are simpler, the boldest first: one leaf, fewer triangles, fewer cells.
+    #[must_use]
+    pub fn simpler(&self) -> Vec<Self> {
+        let mut simpler = Vec::new();
+        if self.tree.nodes.len() > 1 {
+            let refs: Vec<u32> = (0..self.triangles.len() as u32).collect();
+            let leaf = Node::Leaf { first: 0, count: refs.len() as u32 };
+            simpler.push(self.with_tree(vec![leaf], refs));
+        }
+        let count = self.triangles.len();
+        let mut part = count.div_ceil(2);
+        while part > 0 {
+            simpler.extend((0..count).step_by(part).map(|begin| self.without(begin..begin + part)));
+            part /= 2;
+        }
+        let inner =
+            (0..self.tree.nodes.len()).filter(|&node| matches!(self.tree.nodes[node], Node::Inner { .. }));
+        simpler.extend(inner.map(|node| self.with_leaf_at(node)));
+        simpler
+    }
+
+    fn with_tree(&self, nodes: Vec<Node>, refs: Vec<u32>) -> Self {
+        let tree = KdTree { bounds: self.tree.bounds, nodes, refs };
+        Self { tree, triangles: self.triangles.clone() }
+    }
+
+    /// Without some triangles; the cells stay.
+    fn without(&self, gone: std::ops::Range<usize>) -> Self {
+        let stays = |triangle: usize| !gone.contains(&triangle);
+        let new_place = |triangle: u32| (0..triangle as usize).filter(|&other| stays(other)).count() as u32;
+        let mut refs = Vec::new();
+        let nodes = self.tree.nodes.iter().map(|node| match *node {
+            Node::Leaf { first, count } => {
+                let list = &self.tree.refs[first as usize..(first + count) as usize];
+                let first = refs.len() as u32;
+                refs.extend(list.iter().filter(|&&triangle| stays(triangle as usize)).map(|&t| new_place(t)));
+                Node::Leaf { first, count: refs.len() as u32 - first }
+            }
+            inner @ Node::Inner { .. } => inner,
+        });
+        let nodes = nodes.collect();
+        let kept = (0..self.triangles.len()).filter(|&place| stays(place));
+        let triangles = kept.map(|place| self.triangles[place]).collect();
+        Self { tree: KdTree { bounds: self.tree.bounds, nodes, refs }, triangles }
+    }
+
+    /// With a leaf in the place of an inner node, of all that is listed below it.
+    fn with_leaf_at(&self, leaf: usize) -> Self {
+        let (mut nodes, mut refs) = (vec![self.tree.nodes[0]], Vec::new());
+        // Places in the old tree and the new one.
+        let mut open = vec![(0, 0)];
+        while let Some((old, new)) = open.pop() {
+            match self.tree.nodes[old] {
+                Node::Inner { axis, split, children } if old != leaf => {
+                    let below = nodes.len();
+                    nodes[new] = Node::Inner { axis, split, children: below as u32 };
+                    nodes.extend([nodes[0]; 2]);
+                    open.extend([(children as usize, below), (children as usize + 1, below + 1)]);
+                }
+                _ => {
+                    let first = refs.len();
+                    self.list_below(old, &mut refs);
+                    refs[first..].sort_unstable();
+                    let mut listed = refs.split_off(first);
+                    listed.dedup();
+                    nodes[new] = Node::Leaf { first: first as u32, count: listed.len() as u32 };
+                    refs.extend(listed);
+                }
+            }
+        }
+        self.with_tree(nodes, refs)
+    }
+
+    fn list_below(&self, node: usize, list: &mut Vec<u32>) {
+        match self.tree.nodes[node] {
+            Node::Leaf { first, count } => {
+                list.extend(&self.tree.refs[first as usize..(first + count) as usize]);
+            }
+            Node::Inner { children, .. } => {
+                self.list_below(children as usize, list);
+                self.list_below(children as usize + 1, list);
+            }
+        }
+    }
+}
+
+/// Cuts the cell of `node`, which holds `triangles`, or makes it a leaf.
+fn cut(
+    tree: &mut KdTree,
+    (node, depth): (usize, u32),
+    boxes: &[Aabb],
+    triangles: &[u32],
+    random: &mut Random,
+) {
+    if triangles.len() > MAX_LEAF && depth < MAX_DEPTH {
+        let axis = random.pick(&Axis::ALL);
+        let around = &boxes[random.pick(triangles) as usize];
+        let split = random.pick(&[around.min, around.max, around.min.midpoint(around.max)])[axis as usize];
+        let part = |keep: &dyn Fn(f32, f32) -> bool| -> Vec<u32> {
+            let reaches = |&&triangle: &&u32| {
+                let Aabb { min, max } = boxes[triangle as usize];
+                keep(min[axis as usize], max[axis as usize])
+            };
+            triangles.iter().filter(reaches).copied().collect()
+        };
+        let below = part(&|min, max| min < split || max <= split);
+        let above = part(&|_, max| max > split);
+        let children = tree.nodes.len();
+        tree.nodes[node] = Node::Inner { axis, split, children: children as u32 };
+        tree.nodes.extend([Node::Leaf { first: 0, count: 0 }; 2]);
+        cut(tree, (children, depth + 1), boxes, &below, random);
+        cut(tree, (children + 1, depth + 1), boxes, &above, random);
+    } else {
+        tree.nodes[node] = Node::Leaf { first: tree.refs.len() as u32, count: triangles.len() as u32 };
+        tree.refs.extend(triangles);
+    }
+}

@@ -1,0 +1,124 @@
+//! The model and the naive reference as implementations.
+
+use super::request::{Request, push_f32s};
+use super::walk::trace;
+use super::world::{Scene, World, parse_config};
+use crate::hex;
+use crate::kind::Oracle;
+use crate::serve::{Served, Unsupported};
+use saarcor_model::intersection::Kernel;
+use saarcor_model::ray::{Query, Ray};
+use saarcor_reference::exact::rational::nearest_f32;
+use saarcor_reference::exact::{closest, solve};
+
+/// An oracle with what it was told.
+#[derive(Clone, Debug)]
+pub struct KdServed {
+    oracle: Oracle,
+    kernel: Kernel,
+    world: World,
+    /// The scene of the world, once a ray was asked for.
+    scene: Option<Scene>,
+}
+
+impl KdServed {
+    /// The oracle of a configuration.
+    ///
+    /// # Errors
+    /// The key whose value is wrong.
+    pub fn new(oracle: Oracle, config: &str) -> Result<Self, Unsupported> {
+        let kernel = parse_config(config).map_err(Unsupported)?;
+        Ok(Self { oracle, kernel, world: World::default(), scene: None })
+    }
+
+    /// Takes what a request changes; a ray changes nothing.
+    pub fn change(&mut self, request: &Request<'_>) {
+        if self.world.change(request) {
+            self.scene = None;
+        }
+    }
+
+    /// The scene, and the memory that it lies in.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn scene(&mut self) -> Result<(&Scene, &[u8]), String> {
+        let scene = match self.scene.take() {
+            Some(scene) => scene,
+            None => self.world.scene(self.kernel)?,
+        };
+        Ok((self.scene.insert(scene), &self.world.memory))
+    }
+}
+
+impl Served for KdServed {
+    fn observes(&self) -> String {
+        match self.oracle {
+            Oracle::Model => "triangle,t,uv,touched".to_owned(),
+            Oracle::Naive => "triangle,t,uv".to_owned(),
+        }
+    }
+
+    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), &'static str> {
+        let request = Request::parse(request)?;
+        let Request::Trace(query, ray) = request else {
+            self.change(&request);
+            answer.extend_from_slice(b"ok");
+            return Ok(());
+        };
+        let oracle = self.oracle;
+        let (scene, memory) = self.scene().map_err(|_| "what lies in memory is no scene")?;
+        match oracle {
+            Oracle::Model => model(scene, memory, &ray, query, answer),
+            Oracle::Naive => naive(scene, &ray, query, answer),
+        }
+        Ok(())
+    }
+}
+
+fn model(scene: &Scene, memory: &[u8], ray: &Ray, query: Query, answer: &mut Vec<u8>) {
+    let (hits, touched) = trace(memory, scene, ray, query);
+    let hit = hits.is_hit(0).then_some((hits.triangle[0], [hits.t[0], hits.u[0], hits.v[0]]));
+    push_answer(answer, query, hit);
+    if query == Query::Any {
+        return;
+    }
+    answer.push(b' ');
+    for (place, (_, addr)) in touched.iter().enumerate() {
+        if place > 0 {
+            answer.push(b',');
+        }
+        hex::push_number(answer, (*addr).into());
+    }
+    if touched.is_empty() {
+        answer.extend_from_slice(b"none");
+    }
+}
+
+/// All triangles, exactly; of those hit first the one at the lowest address.
+fn naive(scene: &Scene, ray: &Ray, query: Query, answer: &mut Vec<u8>) {
+    let numbered = (0..).zip(scene.corners.iter().copied());
+    let first = closest(ray, numbered).and_then(|closest| closest.triangles.first().copied());
+    let hit = first.and_then(|(place, _)| {
+        let point = solve(ray, &scene.corners[place as usize])?;
+        let numbers = [point.t, point.u, point.v].map(|number| nearest_f32(&number));
+        Some((scene.addresses[place as usize], numbers))
+    });
+    push_answer(answer, query, hit);
+    if query == Query::Closest {
+        answer.extend_from_slice(b" -");
+    }
+}
+
+/// Appends the answer without what was read.
+fn push_answer(answer: &mut Vec<u8>, query: Query, hit: Option<(u32, [f32; 3])>) {
+    match hit {
+        None => answer.push(b'm'),
+        Some(_) if query == Query::Any => answer.push(b'h'),
+        Some((triangle, numbers)) => {
+            answer.extend_from_slice(b"h ");
+            hex::push_number(answer, triangle.into());
+            push_f32s(answer, numbers);
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! What is true of a ray: which answers are right.
+//!
+//! With the adaptive test an answer has to be exact. With the others, each triangle has a distance and
+//! weights with a derived bound ([`super::bound`]), by which it is hit, missed, or in doubt. Right is then
+//! a triangle that is not missed, at its distance, if none that is hit is certainly nearer; and no hit, if
+//! none is hit.
+
+use super::bound::Bounded;
+use super::request::Hit;
+use super::world::Scene;
+use glam::Vec3;
+use saarcor_model::intersection::{
+    Candidate, EdgeTriangle, Kernel, Number, PluckerTriangle, TriangleTest, WatertightTriangle,
+};
+use saarcor_model::ray::Ray;
+use saarcor_reference::exact::rational::nearest_f64;
+use saarcor_reference::exact::{closest, solve};
+
+/// Why an answer is wrong: the requirement, and a sentence.
+pub type Wrong = (&'static str, String);
+
+/// What is true of a ray.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    /// Of each triangle of the scene that is not missed.
+    candidates: Vec<Known>,
+}
+
+/// What is known of a ray and a triangle that it does not certainly miss.
+#[derive(Clone, Copy, Debug)]
+struct Known {
+    addr: u32,
+    corners: [Vec3; 3],
+    t: Bounded,
+    u: Bounded,
+    v: Bounded,
+    /// It is certainly hit.
+    hit: bool,
+}
+
+impl Truth {
+    /// Of a ray in a scene.
+    #[must_use]
+    pub fn new(scene: &Scene, ray: &Ray) -> Self {
+        match scene.registers.kernel {
+            Kernel::Adaptive => Self::exactly(scene, ray),
+            Kernel::Plucker => Self::bounded::<PluckerTriangle<Bounded>>(scene, ray),
+            Kernel::Watertight => Self::bounded::<WatertightTriangle<Bounded>>(scene, ray),
+            Kernel::MollerTrumbore | Kernel::Wald => Self::bounded::<EdgeTriangle<Bounded>>(scene, ray),
+        }
+    }
+
+    fn bounded<T: TriangleTest<Bounded>>(scene: &Scene, ray: &Ray) -> Self {
+        let of_ray = T::ray(ray.origin.to_array(), ray.direction.to_array());
+        let triangles = scene.addresses.iter().zip(&scene.corners);
+        let known = triangles.filter_map(|(&addr, corners)| {
+            Known::new(addr, corners, T::new(corners).intersect(&of_ray), ray)
+        });
+        Self { candidates: known.collect() }
+    }
+
+    /// The first triangles alone: of those at the same distance the one at the lowest address.
+    fn exactly(scene: &Scene, ray: &Ray) -> Self {
+        let numbered = (0..).zip(scene.corners.iter().copied());
+        let first = closest(ray, numbered).and_then(|closest| closest.triangles.first().copied());
+        let known = first.and_then(|(place, _)| {
+            let corners = scene.corners[place as usize];
+            let point = solve(ray, &corners)?;
+            let [t, u, v] = [point.t, point.u, point.v].map(|number| Bounded::nearly(nearest_f64(&number)));
+            Some(Known { addr: scene.addresses[place as usize], corners, t, u, v, hit: true })
+        });
+        Self { candidates: known.into_iter().collect() }
+    }
+
+    /// What is wrong with an answer to what is hit first.
+    ///
+    /// # Errors
+    /// The requirement that it breaks, and a sentence.
+    pub fn check_closest(&self, answer: Option<&Hit>) -> Result<(), Wrong> {
+        let certain = || self.candidates.iter().filter(|known| known.hit);
+        let Some(Hit { triangle: Some(addr), t, uv }) = answer.copied() else {
+            return self.check_any(answer.is_some());
+        };
+        let Some(known) = self.candidates.iter().find(|known| known.addr == addr) else {
+            return Err((
+                "KD-4",
+                match certain().next() {
+                    Some(other) => {
+                        format!("the triangle at {addr:x} is not hit first; the one at {:x} is", other.addr)
+                    }
+                    None => format!("the triangle at {addr:x} is not hit"),
+                },
+            ));
+        };
+        let Known { t: distance, u, v, corners, .. } = known;
+        if let Some(nearer) = certain().find(|other| other.t.is_below(distance.value - distance.error)) {
+            return Err((
+                "KD-4",
+                format!("the triangle at {addr:x} is not hit first; the one at {:x} is nearer", nearer.addr),
+            ));
+        }
+        // The same corners, or numbers that are not rounded, give the same distance in any implementation.
+        let ties = |other: &&Known| {
+            let exact = other.t.error == 0.0 && distance.error == 0.0 && other.t.value == distance.value;
+            other.addr < addr && other.hit && (exact || other.corners == *corners)
+        };
+        if let Some(lower) = certain().find(ties) {
+            return Err(("IS-2", format!("the triangle at {:x} is hit at the same distance", lower.addr)));
+        }
+        if let Some(t) = t.filter(|&t| !distance.allows(t)) {
+            return Err((
+                "IS-3",
+                format!("t is {t:e}; {:e} ± {:.1e} is right", distance.value, distance.error),
+            ));
+        }
+        for (name, right, got) in [("u", u, uv.map(|uv| uv[0])), ("v", v, uv.map(|uv| uv[1]))] {
+            if let Some(got) = got.filter(|&got| !right.allows(got)) {
+                let says = format!("{name} is {got:e}; {:e} ± {:.1e} is right", right.value, right.error);
+                return Err(("IS-3", says));
+            }
+        }
+        Ok(())
+    }
+
+    /// What is wrong with an answer to whether anything is hit.
+    ///
+    /// # Errors
+    /// The requirement that it breaks, and a sentence.
+    pub fn check_any(&self, is_hit: bool) -> Result<(), Wrong> {
+        match self.candidates.iter().find(|known| known.hit) {
+            Some(known) if !is_hit => Err(("KD-4", format!("the triangle at {:x} is hit", known.addr))),
+            None if is_hit && self.candidates.is_empty() => Err(("KD-4", "nothing is hit".to_owned())),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Known {
+    /// Of a triangle by what its test gives; none where it is certainly missed (IS-1, IS-2).
+    fn new(addr: u32, corners: &[Vec3; 3], found: Candidate<Bounded>, ray: &Ray) -> Option<Self> {
+        let Candidate { t, u, v, .. } = found;
+        if t.is_undefined() {
+            return None;
+        }
+        let weights = [u, v, Bounded::ONE - (u + v)];
+        let (t_min, t_max) = (f64::from(ray.t_min), f64::from(ray.t_max));
+        let outside = weights.iter().any(|weight| weight.is_below(0.0));
+        if outside || t.is_below(t_min) || t.is_at_least(t_max) {
+            return None;
+        }
+        let inside = weights.iter().all(|weight| weight.is_at_least(0.0));
+        let hit = inside && t.is_at_least(t_min) && t.is_below(t_max);
+        Some(Self { addr, corners: *corners, t, u, v, hit })
+    }
+}

@@ -1,0 +1,189 @@
+//! The walk of one ray through a tree, step by step, made of the model's own steps: what a person is
+//! shown, and what is counted as coverage.
+
+use super::world::Scene;
+use saarcor_model::image::{LIST_ENTRY_BYTES, ListEntry, NODE_BYTES, NodeRecord};
+use saarcor_model::intersection::Prepared;
+use saarcor_model::kdtree::{Axis, MAX_DEPTH};
+use saarcor_model::memory::{Memory, Port};
+use saarcor_model::ray::{Hits, Packet, Query, Ray};
+use saarcor_model::traversal::{
+    Children, Stack, Traversal, is_downwards, max, min, reciprocal, visit, widen,
+};
+use saarcor_model::units::HostAddr;
+use saarcor_reference::flat::FlatMemory;
+
+/// The host's memory, which notes what is read.
+pub struct Noting<'a> {
+    memory: FlatMemory<'a>,
+    /// What was read, in order.
+    pub touched: Vec<(Port, u32)>,
+}
+
+impl<'a> Noting<'a> {
+    /// Nothing was read of `memory` yet.
+    #[must_use]
+    pub fn new(memory: &'a [u8]) -> Self {
+        Self { memory: FlatMemory::new(memory), touched: Vec::new() }
+    }
+}
+
+impl Memory for Noting<'_> {
+    fn read(&mut self, port: Port, addr: HostAddr, bytes: &mut [u8]) {
+        self.touched.push((port, addr.0));
+        self.memory.read(port, addr, bytes);
+    }
+}
+
+/// What the model says of a ray: its hit, and what it reads.
+#[must_use]
+pub fn trace(memory: &[u8], scene: &Scene, ray: &Ray, query: Query) -> (Hits<1>, Vec<(Port, u32)>) {
+    let mut noting = Noting::new(memory);
+    let packet = Packet::new([Some(*ray)]);
+    let hits = Traversal::default().run(&mut noting, &scene.registers, &packet, query);
+    (hits, noting.touched)
+}
+
+/// One step of a walk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step {
+    /// The ray is in the cell of an inner node.
+    Inner {
+        /// Address of the node.
+        addr: u32,
+        /// Its axis.
+        axis: Axis,
+        /// Its plane.
+        split: f32,
+        /// Distances at which the ray enters and leaves the cell.
+        interval: (f32, f32),
+        /// The children that it goes to.
+        visited: Children,
+        /// Children put off, with this one.
+        put_off: usize,
+    },
+    /// The ray is in a leaf.
+    Leaf {
+        /// Address of the node.
+        addr: u32,
+        /// Triangles of its list.
+        count: u32,
+        /// Distances at which the ray enters and leaves the cell.
+        interval: (f32, f32),
+        /// Something was hit before.
+        after_hit: bool,
+    },
+    /// A child that was put off lies behind what is hit by now.
+    Culled,
+    /// The ray is tested against a triangle.
+    Test {
+        /// Address of the triangle.
+        addr: u32,
+        /// Whether it is what is hit now.
+        taken: bool,
+        /// Whether something else was hit before.
+        replaces: bool,
+    },
+}
+
+/// A node to visit, and the part of the ray in its cell.
+type Visit = (HostAddr, (f32, f32));
+
+/// The steps of a ray that asks for the closest hit, until its end.
+#[must_use]
+pub fn steps(memory: &[u8], scene: &Scene, ray: &Ray) -> Vec<Step> {
+    let mut steps = Vec::new();
+    let mut memory = FlatMemory::new(memory);
+    let packet = Packet::new([Some(*ray)]);
+    let mut hits = Hits::none(&packet);
+    let reciprocals = reciprocals(scene, ray);
+    let mut stack = Stack::<Visit, MAX_DEPTH>::new((HostAddr(0), (0.0, 0.0)));
+    stack.begin((scene.registers.root, in_bounds(scene, ray, &reciprocals)));
+    while let Some((mut addr, (enter, leave))) = stack.resume() {
+        let (mut enter, mut leave) = (enter, min(hits.t[0], leave));
+        if enter > leave {
+            steps.push(Step::Culled);
+            continue;
+        }
+        let (list, count) = loop {
+            match NodeRecord::decode(memory.fetch(Port::Node, addr)) {
+                NodeRecord::Leaf { list, count } => break (list, count),
+                NodeRecord::Inner { axis, split, below } => {
+                    let reciprocal = reciprocals[axis as usize];
+                    let distances = widen((split - ray.origin[axis as usize]) * reciprocal);
+                    let parts = visit(enter, leave, distances, is_downwards(reciprocal));
+                    let met = parts.map(|(enter, leave)| enter <= leave);
+                    let visited = Children::met(met[0], met[1], || is_downwards(reciprocal));
+                    let children = [below, below.offset(NODE_BYTES)];
+                    let above = stack.descend(visited, (children[0], parts[0]), (children[1], parts[1]));
+                    let (put_off, interval) = (stack.len, (enter, leave));
+                    steps.push(Step::Inner { addr: addr.0, axis, split, interval, visited, put_off });
+                    (addr, (enter, leave)) = (children[usize::from(above)], parts[usize::from(above)]);
+                }
+            }
+        };
+        let after_hit = hits.is_hit(0);
+        steps.push(Step::Leaf { addr: addr.0, count, interval: (enter, leave), after_hit });
+        for entry in 0..count {
+            let entry = memory.fetch(Port::List, list.offset(entry * LIST_ENTRY_BYTES));
+            let ListEntry { triangle, tag } = ListEntry::decode(entry);
+            let before = hits.triangle[0];
+            Prepared::decode(scene.registers.kernel, tag, memory.fetch(Port::Triangle, triangle))
+                .intersect_packet(triangle.0, &packet, (&[enter], &[leave]), Query::Closest, &mut hits);
+            let taken = hits.triangle[0] != before;
+            steps.push(Step::Test { addr: triangle.0, taken, replaces: before != Hits::<1>::NOTHING });
+        }
+    }
+    steps
+}
+
+/// One over the components of the direction, as the traversal unit takes them.
+#[must_use]
+pub fn reciprocals(scene: &Scene, ray: &Ray) -> [f32; 3] {
+    let bounds = &scene.registers.bounds;
+    std::array::from_fn(|axis| {
+        let origin = ray.origin[axis];
+        let reach = max((bounds.min[axis] - origin).abs(), (bounds.max[axis] - origin).abs());
+        reciprocal(ray.direction[axis], reach)
+    })
+}
+
+/// The part of a ray in the box around the scene.
+fn in_bounds(scene: &Scene, ray: &Ray, reciprocals: &[f32; 3]) -> (f32, f32) {
+    let bounds = &scene.registers.bounds;
+    let (mut enter, mut leave) = (ray.t_min, ray.t_max);
+    for (axis, &reciprocal) in reciprocals.iter().enumerate() {
+        let (low, high, origin) = (bounds.min[axis], bounds.max[axis], ray.origin[axis]);
+        let (near, far) = if is_downwards(reciprocal) { (high, low) } else { (low, high) };
+        enter = max(widen((near - origin) * reciprocal).0, enter);
+        leave = min(widen((far - origin) * reciprocal).1, leave);
+    }
+    (enter, leave)
+}
+
+impl Step {
+    /// The step for a person.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let between = |(enter, leave): (f32, f32)| format!("t {enter} to {leave}");
+        match *self {
+            Self::Inner { addr, axis, split, interval, visited, .. } => {
+                let axis = ["x", "y", "z"][axis as usize];
+                let to = match visited {
+                    Children::Below => "below",
+                    Children::Above => "above",
+                    Children::BelowFirst => "below, then above",
+                    Children::AboveFirst => "above, then below",
+                };
+                format!("node {addr:x}, plane {axis} = {split}, {}: {to}", between(interval))
+            }
+            Self::Leaf { addr, count, interval, .. } => {
+                format!("leaf {addr:x} of {count} triangles, {}", between(interval))
+            }
+            Self::Culled => "a cell put off lies behind the hit, or the box is missed".to_owned(),
+            Self::Test { addr, taken, .. } => {
+                format!("triangle {addr:x}: {}", if taken { "the closest hit by now" } else { "not taken" })
+            }
+        }
+    }
+}
