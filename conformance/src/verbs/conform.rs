@@ -1,7 +1,8 @@
 //! `saarcor conform`.
 
+use crate::accuracy::suites::SUITES;
 use crate::cli::Status;
-use crate::conform::{page, text};
+use crate::conform::{hard, page, text};
 use crate::names::nearest;
 use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
@@ -9,6 +10,7 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::Subcommand;
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use saarcor_kit::check::check;
+use saarcor_kit::kd::Kd;
 use saarcor_kit::kind::Kind;
 use saarcor_kit::level::Level;
 use saarcor_kit::report::{Report, Verdict};
@@ -188,6 +190,10 @@ impl RunArgs {
         }
         if planned.is_empty() {
             planned = default_suite(kind, &options)?;
+            if kind.name() == Kd.name() {
+                let sessions = hard::all(self.seed).into_iter();
+                planned.extend(sessions.map(|session| Planned::Directed(Box::new(session))));
+            }
         }
         progress.during(&format!("{} sessions of {}", planned.len(), kind.name()), |report| {
             run(&self.dut, dut, kind, &planned, &options, report)
@@ -227,6 +233,10 @@ fn quoted(argument: &str) -> String {
 
 /// The sessions of a suite's name, which may be mistyped.
 fn named(name: &str, requests: usize) -> Result<(&'static dyn Kind, Vec<Session>)> {
+    let hard = hard::named(name, 0);
+    if !hard.is_empty() {
+        return Ok((&Kd, hard));
+    }
     if !Path::new(name).exists() {
         let known: Vec<&str> = KINDS.iter().flat_map(|kind| kind.suites()).map(|(name, _)| *name).collect();
         if let (Err(error), Some(near)) = (sessions_named(name, requests), nearest(name, known)) {
@@ -342,6 +352,10 @@ impl ListArgs {
                     let requirement = first.requirement.as_deref().unwrap_or_default();
                     out.line(format_args!("{requirement:<6} {name:<36} {}", first.idea))?;
                 }
+            }
+            for suite in &SUITES {
+                let name = format!("{}{}", hard::PREFIX, suite.name);
+                out.line(format_args!("{:<6} {name:<36} {}.", "all", suite.idea))?;
             }
             for kind in KINDS {
                 let name = format!("{}/random/SEED", kind.prefix());
