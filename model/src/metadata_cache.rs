@@ -12,7 +12,16 @@ use crate::set::{Outcome, Policy, Set};
 use crate::units::{LineAddr, SetIndex, Way};
 use crate::vm::{CacheConfig, Metadata};
 
-/// What went through the metadata cache.
+/// Is told what goes through the metadata cache.
+pub trait Watch<const GRANULE: usize> {
+    /// A granule was asked for; for it another one may have been written back.
+    fn granule(&mut self, granule: LineAddr, outcome: Outcome, write_back: Option<WriteBack<GRANULE>>);
+
+    /// The metadata of a set was corrupt, and the set was taken for empty (VM-14).
+    fn corrupt(&mut self);
+}
+
+/// Counts what went through the metadata cache.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct MetadataTraffic {
     /// Granules asked for: to read the metadata of a set, and again to write what changed.
@@ -25,10 +34,27 @@ pub struct MetadataTraffic {
     pub corrupt: u64,
 }
 
+impl<const GRANULE: usize> Watch<GRANULE> for MetadataTraffic {
+    fn granule(&mut self, _: LineAddr, outcome: Outcome, write_back: Option<WriteBack<GRANULE>>) {
+        self.accesses += 1;
+        self.loads += u64::from(matches!(outcome, Outcome::Miss { .. }));
+        self.write_backs += u64::from(write_back.is_some());
+    }
+
+    fn corrupt(&mut self) {
+        self.corrupt += 1;
+    }
+}
+
 /// The metadata of version B: `WAYS` ways a set of lines, `META_WAYS` ways a set of granules (4 in
 /// the paper: §4, Stated).
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct CachedMetadata<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> {
+pub struct CachedMetadata<
+    const WAYS: usize,
+    const META_WAYS: usize,
+    const GRANULE: usize,
+    W = MetadataTraffic,
+> {
     /// Replacement of lines: says which metadata is legal.
     pub lines: Policy,
     /// Replacement of granules (LRU Assumed).
@@ -38,23 +64,36 @@ pub struct CachedMetadata<const WAYS: usize, const META_WAYS: usize, const GRANU
     /// The metadata in the on-board memory: whole granules.
     pub card: Vec<u8>,
     /// What went through the metadata cache.
-    pub traffic: MetadataTraffic,
+    pub traffic: W,
 }
 
 impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize>
     CachedMetadata<WAYS, META_WAYS, GRANULE>
 {
-    /// Bytes of metadata a set of lines.
-    const SET_BYTES: usize = WAYS * ENTRY_BYTES;
-    /// Granules that a set meets at most.
-    const MOST_GRANULES: usize = (Self::SET_BYTES - 1).div_ceil(GRANULE) + 1;
-
     /// The metadata of an empty cache of lines, behind an empty metadata cache of `sets` sets.
     ///
     /// # Panics
     /// If `sets` is not a power of two.
     #[must_use]
     pub fn new(config: &CacheConfig, sets: usize, granules: Policy) -> Self {
+        Self::watched(config, sets, granules, MetadataTraffic::default())
+    }
+}
+
+impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, W: Watch<GRANULE>>
+    CachedMetadata<WAYS, META_WAYS, GRANULE, W>
+{
+    /// Bytes of metadata a set of lines.
+    const SET_BYTES: usize = WAYS * ENTRY_BYTES;
+    /// Granules that a set meets at most.
+    const MOST_GRANULES: usize = (Self::SET_BYTES - 1).div_ceil(GRANULE) + 1;
+
+    /// The same, of which `watch` is told what goes through the metadata cache.
+    ///
+    /// # Panics
+    /// If `sets` is not a power of two.
+    #[must_use]
+    pub fn watched(config: &CacheConfig, sets: usize, granules: Policy, watch: W) -> Self {
         assert!(sets.is_power_of_two(), "{sets} sets of metadata: it must be a power of two");
         let bytes = config.geometry.sets() as usize * Self::SET_BYTES;
         let mut new = Self {
@@ -62,7 +101,7 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize>
             granules,
             cache: vec![DataSet::empty(granules); sets],
             card: vec![0; bytes.next_multiple_of(GRANULE)],
-            traffic: MetadataTraffic::default(),
+            traffic: watch,
         };
         new.clear();
         new
@@ -119,16 +158,14 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize>
         self.cache[cached] = next;
         if let Some(WriteBack { line, bytes }) = write_back {
             self.card[line.0 as usize * GRANULE..][..GRANULE].copy_from_slice(&bytes);
-            self.traffic.write_backs += 1;
         }
-        self.traffic.accesses += 1;
-        self.traffic.loads += u64::from(matches!(outcome, Outcome::Miss { .. }));
+        self.traffic.granule(granule, outcome, write_back);
         (cached, outcome.way())
     }
 }
 
-impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> Metadata<WAYS>
-    for CachedMetadata<WAYS, META_WAYS, GRANULE>
+impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, W: Watch<GRANULE>> Metadata<WAYS>
+    for CachedMetadata<WAYS, META_WAYS, GRANULE, W>
 {
     /// Corrupt metadata makes an empty set (VM-14): all that is lost is what the host has too.
     fn load(&mut self, index: SetIndex) -> Set<WAYS> {
@@ -138,7 +175,7 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> Metadata<W
             }
         }
         Set::from_entries(self.entries(index), self.lines).unwrap_or_else(|Corrupt| {
-            self.traffic.corrupt += 1;
+            self.traffic.corrupt();
             Set::empty(self.lines)
         })
     }

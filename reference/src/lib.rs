@@ -9,6 +9,7 @@
 //! | [`flat::FlatMemory`] | that the virtual memory is transparent |
 //! | [`cache::NaiveCache`] | hits, misses, ways, victims and counters |
 //! | [`cache::NaiveVirtualMemory`] | which bytes a unit receives, and as of when |
+//! | [`metadata::NaiveTags`] | the metadata of version B, and what of it moves |
 //! | [`chip::naive_simulate`] | the chip in time |
 //! | [`search::closest_hit`] | kd-tree traversal |
 //! | [`exact::judge`], [`exact::closest`] | triangle tests, and what a ray hits first |
@@ -21,5 +22,6 @@ pub mod chip;
 pub mod embree;
 pub mod exact;
 pub mod flat;
+pub mod metadata;
 pub mod paper;
 pub mod search;
