@@ -41,6 +41,11 @@ const WALK: &[(&str, i32, &str)] = &[
     ),
     ("saarcor conform run \"my-cache/cache\" --level data --suite vm/lru-victim", 0, "up to level data"),
     ("saarcor conform run model --requests 100000", 0, "208  208"),
+    ("saarcor conform run my-cache --library", 0, "conforms; agrees up to level state"),
+    ("saarcor trace record pquake3-nt --frame 150 --format din --resolution 64x48 --out frame.din", 0, ""),
+    ("saarcor conform run my-cache --trace frame.din", 0, "conforms; agrees up to level state"),
+    ("saarcor conform new meta my-tags", 0, ""),
+    ("saarcor conform run my-tags --requests 24000", 0, "agrees up to level metadata"),
     ("saarcor conform new kd-c my-kd", 0, ""),
     ("saarcor conform run my-kd --requests 50000", 0, "conforms; agrees up to level traversal"),
     (
@@ -58,7 +63,11 @@ fn every_command_of_the_walk_does_what_it_says() {
     let end = readme.find("## How the walk is fast").expect("the next section");
     let commands = readme[begin..end].lines().map(|line| line.split('#').next().unwrap_or_default().trim());
     let commands: Vec<_> = commands
-        .filter(|line| line.starts_with("saarcor conform ") || line.starts_with("my-cache/"))
+        .filter(|line| {
+            line.starts_with("saarcor conform ")
+                || line.starts_with("saarcor trace ")
+                || line.starts_with("my-cache/")
+        })
         .collect();
     assert_eq!(commands, WALK.iter().map(|(command, ..)| *command).collect::<Vec<_>>());
 
@@ -102,6 +111,18 @@ fn replay_fails_again() {
     let report: serde_json::Value = serde_json::from_str(&json).expect("an object");
     assert_eq!((&report["schema_version"], &report["verdict"]), (&1.into(), &"does-not-conform".into()));
     assert_eq!(report["failures"][0]["requirement"], "VM-3");
+    let readme = include_str!("../README.md");
+    for object in [
+        &report,
+        &report["levels"][0],
+        &report["requirements"][0],
+        &report["failures"][0],
+        &report["coverage"][0],
+    ] {
+        for key in object.as_object().expect("an object").keys() {
+            assert!(readme.contains(&format!("`{key}`")), "the README does not say what {key} is");
+        }
+    }
 }
 
 #[test]
@@ -151,6 +172,10 @@ fn bad_input_is_refused() {
         (&["conform", "run", "model", "--time-limit", "0"], &["--time-limit"]),
         (&["conform", "run", "model", "--junit", "no/such/file"], &["no/such/file"]),
         (&["conform", "generate", "no-such-file"], &["no-such-file"]),
+        (&["conform", "run", "model", "--trace", "no-such-file"], &["no-such-file"]),
+        (&["conform", "run", "model", "--trace", "Cargo.toml"], &["Cargo.toml", "line 1", "0 ADDRESS"]),
+        (&["conform", "run", "model", "--library"], &["no library"]),
+        (&["conform", "serve-library", "Cargo.toml"], &["Cargo.toml", "cannot be loaded"]),
         (&["conform", "check", "vm/lru-victim", "no-such-file"], &["no-such-file"]),
         (&["conform", "new", "c", "src"], &["src", "there already"]),
         (&["conform", "new", "fortran", "x"], &["python"]),
@@ -170,6 +195,33 @@ fn broken_builds_are_refused_with_what_they_said() {
     let dut = "kind = \"saarcor-vm\"\nbuild = \"echo it is broken; exit 7\"\ncommand = \"x\"\n";
     std::fs::write(folder.path().join("dut.toml"), dut).expect("written");
     says(&run_in(folder.path(), &["conform", "run", "."]), 2, &["it is broken", "exit status: 7"]);
+}
+
+/// A library that crashes, or hangs, has its verdict like any other.
+#[test]
+fn libraries_are_run_apart() {
+    let folder = tempfile::tempdir().expect("a folder");
+    says(&run_in(folder.path(), &["conform", "new", "c", "a"]), 0, &[]);
+    let source = folder.path().join("a/cache.c");
+    let text = std::fs::read_to_string(&source).expect("text");
+    for (fault, parts) in [("abort();", &["P-7", "signal 6"][..]), ("for (;;) {}", &["P-8", "time limit"])] {
+        let faulty = text.replace(
+            "saarcor_vm_flush(void) {",
+            &format!("saarcor_vm_flush(void) {{ static int n; if (n++) {fault}"),
+        );
+        assert_ne!(faulty, text);
+        std::fs::write(&source, faulty).expect("written");
+        let run = ["conform", "run", "a", "--library", "--time-limit", "1", "--suite", "vm/flush"];
+        says(&run_in(folder.path(), &run), 1, parts);
+    }
+    let other = "int saarcor_vm_version(void) { return 1; }";
+    std::fs::write(&source, other).expect("written");
+    std::fs::write(
+        folder.path().join("a/dut.toml"),
+        "kind = \"saarcor-vm\"\nbuild = \"cc -shared -fPIC -o cache.so cache.c\"\nlibrary = \"cache.so\"\n",
+    )
+    .expect("written");
+    says(&run_in(folder.path(), &["conform", "run", "a"]), 1, &["P-7", "lacks a function of saarcor.h"]);
 }
 
 /// A process that leaves its group is not left behind either.

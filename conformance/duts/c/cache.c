@@ -1,15 +1,13 @@
-/* The virtual memory of the SaarCOR chip, speaking saarcor-vm over stdin and stdout (PROTOCOL.md). */
-#include <stdint.h>
-#include <stdio.h>
+/* The virtual memory of the SaarCOR chip: a shared library, and with pipe.c a program (PROTOCOL.md). */
+#include "saarcor.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-typedef enum { LRU, FIFO, PLRU } policy_t;
-typedef enum { LOW, ADD_UPPER, ADD_UPPER_ALL } hash_t;
+enum { LRU = SAARCOR_LRU, FIFO = SAARCOR_FIFO, PLRU = SAARCOR_PLRU };
+enum { ADD_UPPER = SAARCOR_ADD_UPPER, ADD_UPPER_ALL = SAARCOR_ADD_UPPER_ALL };
 
-static uint32_t line_size, line_bits, ways, sets, set_bits;
-static hash_t hash;
-static policy_t policy;
+static uint32_t line_size, line_bits, ways, sets, set_bits, hash, policy;
 
 /* Metadata, an entry a way: the line's full address, whether it is resident, management bits. */
 static uint32_t *tags;
@@ -64,36 +62,52 @@ static uint32_t victim(uint32_t set) {
     return node - ways;
 }
 
-static void flush(void) {
+uint32_t saarcor_vm_version(void) { return SAARCOR_VM_VERSION; }
+
+uint32_t saarcor_vm_observes(void) { return SAARCOR_DATA | SAARCOR_HIT | SAARCOR_CARD | SAARCOR_EVICT; }
+
+uint32_t saarcor_vm_configure(const saarcor_config *config) {
+    line_size = config->line;
+    ways = config->ways;
+    hash = config->hash;
+    policy = config->policy;
+    uint32_t lines = config->lines;
+    sets = lines / ways;
+    while (1u << line_bits < line_size) line_bits++;
+    while (1u << set_bits < sets) set_bits++;
+    tags = calloc(lines, sizeof *tags);
+    resident = calloc(lines, 1);
+    order = calloc(lines, 1);
+    card = malloc((size_t)lines * line_size);
+    saarcor_vm_flush();
+    return 0;
+}
+
+void saarcor_vm_flush(void) {
     memset(resident, 0, sets * ways);
     for (uint32_t entry = 0; entry < sets * ways; entry++) order[entry] = policy == PLRU ? 0 : entry % ways;
 }
 
-static void read_host(uint32_t host, uint32_t count) {
+void saarcor_vm_read(uint32_t host, uint8_t *bytes, uint32_t count, saarcor_access *access) {
     uint32_t line = (uint32_t)((uint64_t)host >> line_bits), set = set_of(line);
     uint32_t offset = host & (line_size - 1), way = find(set, line);
     int hit = way < ways;
     if (!hit) way = victim(set);
     uint32_t slot = set * ways + way;
-    uint8_t *bytes = card + (size_t)slot * line_size;
+    uint8_t *line_bytes = card + (size_t)slot * line_size;
     uint32_t address = slot * line_size + offset;
-    if (hit) printf("h %x ", address);
-    else if (resident[slot]) printf("m %x %x ", address, tags[slot] << line_bits);
-    else printf("m %x - ", address);
+    *access = (saarcor_access){ address, SAARCOR_NOTHING_EVICTED, (uint32_t)hit };
     if (!hit) {
-        load_line(line, bytes);
+        if (resident[slot]) access->evicted = tags[slot] << line_bits;
+        load_line(line, line_bytes);
         tags[slot] = line;
         resident[slot] = 1;
     }
     if (!hit || policy != FIFO) use(set, way);
-    for (bytes += offset; count > 0; count--, bytes++) {
-        putchar_unlocked("0123456789abcdef"[*bytes >> 4]);
-        putchar_unlocked("0123456789abcdef"[*bytes & 15]);
-    }
-    putchar_unlocked('\n');
+    memcpy(bytes, line_bytes + offset, count);
 }
 
-static void invalidate(uint32_t host, uint64_t count) {
+void saarcor_vm_invalidate(uint32_t host, uint64_t count) {
     uint64_t first = host >> line_bits, last = (host + count - 1) >> line_bits;
     for (uint32_t slot = 0; slot < sets * ways && last - first >= sets * ways; slot++)
         if (tags[slot] >= first && tags[slot] <= last) resident[slot] = 0;
@@ -103,46 +117,10 @@ static void invalidate(uint32_t host, uint64_t count) {
     }
 }
 
-static void write_host(uint32_t host, const char *digits) {
-    for (unsigned byte; sscanf(digits, "%2x", &byte) == 1; digits += 2, host++) {
+void saarcor_vm_write(uint32_t host, const uint8_t *bytes, uint64_t count) {
+    for (; count > 0; count--, bytes++, host++) {
         uint8_t **page = &pages[host / 4096];
         if (!*page) *page = calloc(1, 4096);
-        (*page)[host % 4096] = (uint8_t)byte;
+        (*page)[host % 4096] = *bytes;
     }
-}
-
-static void configure(const char *line) {
-    char hash_name[32] = "", policy_name[32] = "";
-    unsigned lines;
-    if (sscanf(line, "config line=%u lines=%u ways=%u hash=%31s policy=%31s", &line_size, &lines, &ways, hash_name,
-               policy_name) != 5) exit((puts("unsupported config"), 0));
-    hash = !strcmp(hash_name, "low") ? LOW : !strcmp(hash_name, "add-upper") ? ADD_UPPER : ADD_UPPER_ALL;
-    policy = !strcmp(policy_name, "lru") ? LRU : !strcmp(policy_name, "fifo") ? FIFO : PLRU;
-    sets = lines / ways;
-    while (1u << line_bits < line_size) line_bits++;
-    while (1u << set_bits < sets) set_bits++;
-    tags = calloc(lines, sizeof *tags);
-    resident = calloc(lines, 1);
-    order = calloc(lines, 1);
-    card = malloc((size_t)lines * line_size);
-    flush();
-    puts("ok observes=data,hit,card,evict");
-}
-
-int main(void) {
-    static char line[1 << 20];
-    while (fgets(line, sizeof line, stdin)) {
-        char *word = line + 2, name = line[0];
-        uint32_t host = name == 'r' || name == 'w' || name == 'i' ? (uint32_t)strtoul(word, &word, 16) : 0;
-        switch (name) {
-        case 'r': read_host(host, (uint32_t)strtoul(word, NULL, 16)); break;
-        case 'w': write_host(host, word + 1); puts("ok"); break;
-        case 'i': invalidate(host, strtoull(word, NULL, 16)); puts("ok"); break;
-        case 'f': flush(); puts("ok"); break;
-        case 'c': configure(line); break;
-        case 's': puts("saarcor-vm 1"); break;
-        case 'e': return puts("end"), 0;
-        }
-    }
-    return 1;
 }

@@ -41,7 +41,7 @@ fn runner(c: &mut Criterion) {
         group.bench_function(*name, |b| {
             b.iter(|| {
                 let session = Vm.random(SEED, REQUESTS);
-                let mut judge = Judge::new(&Vm, &session, Level::State);
+                let mut judge = Judge::new(&Vm, &session, Level::HIGHEST);
                 dut.converse(&session, &mut judge).expect("it runs");
                 assert!(judge.is_done() && judge.findings().is_empty());
             });

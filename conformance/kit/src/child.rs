@@ -9,11 +9,14 @@ use memchr::memchr;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
 use std::io::{ErrorKind, Read, Write};
 use std::os::fd::AsFd;
 use std::os::unix::process::CommandExt as _;
 use std::path::PathBuf;
 use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::RwLock;
 use std::time::{Duration, Instant};
 
 /// Bytes that are read and written at a time: what a pipe holds.
@@ -72,6 +75,27 @@ pub fn adopt_strays() {
     let _ = rustix::process::set_child_subreaper(Some(rustix::process::getpid()));
 }
 
+/// Held for reading while a process is started, and for writing once none may be any more.
+static STARTING: RwLock<()> = RwLock::new(());
+
+/// Has all children killed before this process ends by a signal: they are in groups of their own, and
+/// an interrupt at the terminal does not reach them.
+///
+/// # Errors
+/// Where signals cannot be waited for.
+pub fn kill_all_when_ended() -> Result<()> {
+    let mut signals = Signals::new([SIGINT, SIGTERM, SIGHUP]).context("signals cannot be waited for")?;
+    std::thread::spawn(move || {
+        if let Some(signal) = signals.forever().next() {
+            let _none_is_started = STARTING.write();
+            kill_strays();
+            // Ends this process as the signal would have.
+            let _ = signal_hook::low_level::emulate_default_handler(signal);
+        }
+    });
+    Ok(())
+}
+
 /// Kills all processes that this one has inherited. For the end of a run: what else this process
 /// has started is killed too.
 pub fn kill_strays() {
@@ -120,6 +144,7 @@ impl Running {
     fn start(process: &Process) -> Result<Self> {
         let mut command = shell(&process.command, process.folder.as_ref());
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let _may_start = STARTING.read();
         let mut child =
             command.spawn().with_context(|| format!("'{}' cannot be started", process.command))?;
         let (stdin, stdout, stderr) = (child.stdin.take(), child.stdout.take(), child.stderr.take());

@@ -27,6 +27,11 @@ pub trait Kind: Sync {
     /// The random session of a seed.
     fn random(&self, seed: u64, requests: usize) -> Session;
 
+    /// Sessions of recorded frames, each of at most so many of its reads; none where there are no traces.
+    fn recorded(&self, _requests: usize) -> Vec<Session> {
+        Vec::new()
+    }
+
     /// Whether the session is one of this kind.
     ///
     /// # Errors

@@ -15,6 +15,8 @@ pub enum Level {
     Traffic,
     /// The same way and the same victim.
     State,
+    /// The same metadata moved, in version B.
+    Metadata,
     /// Each ray hits the same triangle at the same distance, or one as good within the derived bound.
     Rays,
     /// The same nodes, list entries and triangles are read, in the same order.
@@ -23,8 +25,15 @@ pub enum Level {
 
 impl Level {
     /// All levels, the lowest first.
-    pub const ALL: [Self; 6] =
-        [Self::Protocol, Self::Data, Self::Traffic, Self::State, Self::Rays, Self::Traversal];
+    pub const ALL: [Self; 7] = [
+        Self::Protocol,
+        Self::Data,
+        Self::Traffic,
+        Self::State,
+        Self::Metadata,
+        Self::Rays,
+        Self::Traversal,
+    ];
 
     /// The highest.
     pub const HIGHEST: Self = Self::Traversal;
@@ -37,6 +46,7 @@ impl Level {
             Self::Data => "data",
             Self::Traffic => "traffic",
             Self::State => "state",
+            Self::Metadata => "metadata",
             Self::Rays => "rays",
             Self::Traversal => "traversal",
         }

@@ -14,10 +14,12 @@
 //! | [`vm`] | `saarcor-vm`: the virtual memory |
 //! | [`kd`] | `saarcor-kd`: traversal and intersection |
 //! | [`hash`] | `saarcor-hash`: the set of a line |
+//! | [`meta`] | `saarcor-meta`: the tags of version B |
 //! | [`hex`], [`random`] | numbers as text; the random sequence of a seed |
 //! | [`serve`] | an implementation in Rust, and the protocol around it |
 //! | [`judge`] | the judge of one conversation |
 //! | [`check`] | answers from a file |
+//! | [`library`] | an implementation as a shared library |
 //! | [`dut`], [`child`] | an implementation under test: in process, or a child process |
 //! | [`target`] | `dut.toml` and command lines |
 //! | [`run`] | all sessions, and the report |
@@ -35,6 +37,9 @@ pub mod judge;
 pub mod kd;
 pub mod kind;
 pub mod level;
+#[cfg(unix)]
+pub mod library;
+pub mod meta;
 pub mod random;
 pub mod report;
 pub mod run;
@@ -47,7 +52,7 @@ pub mod templates;
 pub mod vm;
 
 /// All kinds, in the order in which an implementation is asked for them.
-pub const KINDS: &[&dyn kind::Kind] = &[&vm::Vm, &hash::SetHash, &kd::Kd];
+pub const KINDS: &[&dyn kind::Kind] = &[&vm::Vm, &hash::SetHash, &meta::Meta, &kd::Kd];
 
 /// The kind of that name.
 #[must_use]

@@ -69,10 +69,15 @@ pub enum Planned {
     },
 }
 
-/// Row of the report for sessions that are about no requirement.
+/// Rows of the report for sessions that are about no requirement.
 const RANDOM: &str = "random";
+const GIVEN: &str = "frames, files";
 
-/// The default suite of a kind: the directed sessions, and random ones.
+/// The part of the requests of the random sessions that a recorded frame has at most: a frame takes
+/// no more of the time than a few random sessions.
+const FRAME_PART: usize = 20;
+
+/// The default suite of a kind: the directed sessions, recorded frames, and random ones.
 ///
 /// # Errors
 /// Where a suite of the kit is no session: a fault of the kit.
@@ -82,6 +87,8 @@ pub fn default_suite(kind: &dyn Kind, options: &Options) -> Result<Vec<Planned>>
         let sessions = Session::parse(name, text).with_context(|| format!("suite {name}"))?;
         planned.extend(sessions.into_iter().map(|session| Planned::Directed(Box::new(session))));
     }
+    let recorded = kind.recorded(options.requests.div_ceil(FRAME_PART));
+    planned.extend(recorded.into_iter().map(|session| Planned::Directed(Box::new(session))));
     planned.extend(random_sessions(options.seed, options.requests));
     Ok(planned)
 }
@@ -114,6 +121,10 @@ pub fn sessions_named(name: &str, requests: usize) -> Result<(&'static dyn Kind,
                 if let Some(session) = sessions.into_iter().find(|session| session.name == name) {
                     return Ok((*kind, vec![session]));
                 }
+            }
+            if let Some(session) = kind.recorded(usize::MAX).into_iter().find(|session| session.name == name)
+            {
+                return Ok((*kind, vec![session]));
             }
         }
     }
@@ -185,7 +196,7 @@ pub fn run(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Report> {
     let done = AtomicUsize::new(0);
-    let hung = AtomicBool::new(false);
+    let late = AtomicBool::new(false);
     let mut held: Vec<Held> = Vec::new();
     let mut stopped = None;
     let mut random_seconds = 0.0;
@@ -195,12 +206,13 @@ pub fn run(
         let results: Vec<Option<Held>> = batch
             .par_iter()
             .map(|&place| {
-                if hung.load(Ordering::Relaxed) {
+                if late.load(Ordering::Relaxed) {
                     return Ok(None);
                 }
                 let held = hold(dut, kind, (place, &planned[place]), options.highest())?;
-                if held.timeout == Some(Timeout::Hung) {
-                    hung.store(true, Ordering::Relaxed);
+                // What has had no time once would take the time limit again and again.
+                if held.timeout.is_some() {
+                    late.store(true, Ordering::Relaxed);
                 }
                 progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / planned.len() as f64);
                 Ok(Some(held))
@@ -213,8 +225,10 @@ pub fn run(
             random_seconds += started.elapsed().as_secs_f64() * random / seconds;
         }
         held.extend(results.into_iter().flatten());
-        if hung.load(Ordering::Relaxed) {
-            stopped = Some("the implementation hangs".to_owned());
+        if late.load(Ordering::Relaxed) {
+            if held.iter().any(|held| held.timeout == Some(Timeout::Hung)) {
+                stopped = Some("the implementation hangs".to_owned());
+            }
             break;
         }
         let failed = |held: &Held| !held.findings.is_empty();
@@ -247,16 +261,17 @@ fn hold(dut: &dyn Dut, kind: &dyn Kind, (place, planned): (usize, &Planned), lev
     let mut judge = Judge::new(kind, &session, level);
     let began = Instant::now();
     let Ending { timeout, stderr } = dut.converse(&session, &mut judge)?;
+    let random = matches!(planned, Planned::Random { .. });
     let observed = kind.levels().iter().copied().filter(|&level| judge.observed(level)).collect();
     Ok(Held {
-        row: session.requirement.clone().unwrap_or_else(|| RANDOM.to_owned()),
+        row: session.requirement.clone().unwrap_or_else(|| if random { RANDOM } else { GIVEN }.to_owned()),
         place,
         stderr: if judge.findings().is_empty() { String::new() } else { stderr },
         findings: judge.findings().to_vec(),
         unsupported: judge.unsupported().map(str::to_owned),
         observed,
         answered: judge.answered(),
-        random: matches!(planned, Planned::Random { .. }),
+        random,
         seconds: began.elapsed().as_secs_f64(),
         timeout,
     })

@@ -77,6 +77,41 @@ pub const HASH: &[(&str, &str)] = suites![
     "hash/one-set",
 ];
 
+/// Suites of `saarcor-meta`.
+pub const META: &[(&str, &str)] = suites![
+    "meta/hello-and-end",
+    "meta/one-answer-a-request",
+    "meta/hit-while-resident",
+    "meta/ways-and-victims",
+    "meta/one-way",
+    "meta/granules-of-a-set",
+    "meta/youngest-changes-nothing",
+    "meta/changed-granules-alone",
+    "meta/update-is-not-dropped",
+    "meta/written-back-when-pushed-out",
+    "meta/clean-granule-is-dropped",
+    "meta/clean-after-a-write-back",
+    "meta/oldest-granule-goes",
+    "meta/granules-find-their-set",
+    "meta/read-before-the-write-back",
+    "meta/pushed-out-by-its-own-set",
+    "meta/line-in-the-entry",
+    "meta/management-bits-in-the-entry",
+    "meta/check-bits-in-the-entry",
+    "meta/invalidation-changes-one-bit",
+    "meta/invalidate-an-absent-line",
+    "meta/invalidated-line-is-gone",
+    "meta/granules-of-a-range",
+    "meta/flush-empties-the-card",
+    "meta/flush-drops-what-was-written",
+    "meta/corrupt-set-is-empty",
+    "meta/each-check-bit-counts",
+    "meta/corrupt-free-way",
+    "meta/corrupt-set-is-written-whole",
+    "meta/neighbour-of-a-corrupt-set",
+    "meta/error-under-a-cached-granule",
+];
+
 /// Suites of `saarcor-kd`.
 pub const KD: &[(&str, &str)] = suites![
     "kd/hello-and-end",

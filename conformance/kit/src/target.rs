@@ -4,6 +4,7 @@
 use crate::dut::{Dut, InProcess};
 use crate::kind::{Kind, Oracle};
 use crate::kind_named;
+use crate::vm::Vm;
 use anyhow::{Context, Result, bail};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -33,7 +34,9 @@ pub struct DutFile {
     /// Command line that builds the implementation, in the folder of the file.
     pub build: Option<String>,
     /// Command line that starts it, in the same folder.
-    pub command: String,
+    pub command: Option<String>,
+    /// Shared library in the same folder that offers the same as calls.
+    pub library: Option<String>,
     /// Seconds that a session may take.
     #[serde(default = "default_time_limit")]
     pub time_limit: f64,
@@ -58,6 +61,11 @@ impl DutFile {
         if kind_named(&file.kind).is_none() {
             bail!("kind = \"{}\": {}", file.kind, known_kinds());
         }
+        match (&file.command, &file.library) {
+            (None, None) => bail!("command is missing: the command line that starts the implementation"),
+            (_, Some(_)) if file.kind != Vm.name() => bail!("library: there is one for {} only", Vm.name()),
+            _ => {}
+        }
         if !(file.time_limit > 0.0 && file.time_limit <= MAX_TIME_LIMIT) {
             bail!("time_limit = {}: it is a number of seconds from 0 to {MAX_TIME_LIMIT}", file.time_limit);
         }
@@ -69,6 +77,28 @@ impl DutFile {
 fn known_kinds() -> String {
     let names: Vec<_> = crate::KINDS.iter().map(|kind| kind.name()).collect();
     format!("the kinds are {}", names.join(", "))
+}
+
+/// How an implementation is to be run.
+#[derive(Clone, Debug, Default)]
+pub struct How {
+    /// Seconds that a session may take, in the place of those of `dut.toml`.
+    pub time_limit: Option<f64>,
+    /// Whether the library of `dut.toml` is run even where there is a command.
+    pub takes_library: bool,
+    /// Command line that serves the library whose path follows, in its folder.
+    pub library_server: String,
+}
+
+/// A word as a shell takes it.
+#[must_use]
+pub fn shell_word(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-=,@+".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
 }
 
 /// An implementation to be run.
@@ -88,11 +118,10 @@ pub struct Target {
 
 impl Target {
     /// What `name` names: `model` or `naive`, a folder with `dut.toml`, or else a command line.
-    /// `time_limit` takes the place of the one of `dut.toml`.
     ///
     /// # Errors
     /// Where `dut.toml` cannot be read, or is wrong.
-    pub fn open(name: &str, time_limit: Option<f64>) -> Result<Self> {
+    pub fn open(name: &str, how: &How) -> Result<Self> {
         let oracle = match name {
             "model" => Some(Oracle::Model),
             "naive" => Some(Oracle::Naive),
@@ -108,6 +137,9 @@ impl Target {
         };
         if let Some(oracle) = oracle {
             let dut = || Box::new(InProcess::oracle(oracle));
+            if how.takes_library {
+                bail!("{name}: has no library");
+            }
             return Ok(target(dut(), dut()));
         }
         let folder = Path::new(name);
@@ -115,7 +147,10 @@ impl Target {
             if name.trim().is_empty() {
                 bail!("no implementation: name a folder with dut.toml, or a command line");
             }
-            let limit = time_limit.unwrap_or(TIME_LIMIT);
+            let limit = how.time_limit.unwrap_or(TIME_LIMIT);
+            if how.takes_library {
+                bail!("{name}: a library is named by the dut.toml of a folder");
+            }
             let process = |limit| process(name.to_owned(), None, limit);
             return Ok(target(process(limit)?, process(limit.min(PROBE_LIMIT))?));
         }
@@ -123,13 +158,20 @@ impl Target {
         let text = std::fs::read_to_string(&path)
             .with_context(|| format!("{}: cannot be read; a folder is named that has one", path.display()))?;
         let file = DutFile::parse(&text).with_context(|| path.display().to_string())?;
-        let limit = time_limit.unwrap_or(file.time_limit);
+        let limit = how.time_limit.unwrap_or(file.time_limit);
+        let command = match (file.command, file.library) {
+            (_, None) if how.takes_library => bail!("{}: names no library", path.display()),
+            (Some(command), _) if !how.takes_library => command,
+            (_, library) => {
+                format!("exec {} {}", how.library_server, shell_word(&library.unwrap_or_default()))
+            }
+        };
         Ok(Self {
             kind: kind_named(&file.kind),
             missing: file.needs.into_iter().filter(|program| !is_there(program)).collect(),
             requests: file.requests,
-            dut: process(file.command.clone(), Some(folder.to_owned()), limit)?,
-            probe: process(file.command, Some(folder.to_owned()), limit.min(PROBE_LIMIT))?,
+            dut: process(command.clone(), Some(folder.to_owned()), limit)?,
+            probe: process(command, Some(folder.to_owned()), limit.min(PROBE_LIMIT))?,
             build: file.build.map(|build| (build, folder.to_owned())),
         })
     }
@@ -218,6 +260,8 @@ mod tests {
             ("= 1", "= nan", "seconds"),
             ("= 1", "= 'a", "line 3"),
             ("command", "#", "command"),
+            ("command = ", "kind = 'saarcor-hash'\nlibrary = ", "duplicate"),
+            ("command = \"./cache\"", "", "command is missing"),
         ] {
             let error = DutFile::parse(&whole.replace(from, to)).expect_err("wrong").to_string();
             assert!(error.contains(says), "{from} -> {to}: {error}");

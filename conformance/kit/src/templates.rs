@@ -24,11 +24,12 @@ macro_rules! template {
 
 /// All templates.
 pub const TEMPLATES: &[Template] = &[
-    template!("c": "cache.c", "dut.toml"),
+    template!("c": "cache.c", "pipe.c", "saarcor.h", "dut.toml"),
     template!("python": "cache.py", "dut.toml"),
     template!("hash": "set_of.py", "dut.toml"),
     template!("kd-c": "kd.c", "dut.toml"),
     template!("kd-python": "kd.py", "dut.toml"),
+    template!("meta": "tags.py", "dut.toml"),
     template!("verilog": "cache.v", "bench.v", "serve", "dut.toml"),
     template!("rust": "Cargo.toml", "src/lib.rs", "src/main.rs", "tests/conforms.rs", "dut.toml"),
 ];

@@ -11,7 +11,7 @@ use saarcor_kit::level::Level;
 use saarcor_kit::report::{Failure, Verdict};
 use saarcor_kit::run::{Options, default_suite, run};
 use saarcor_kit::session::Session;
-use saarcor_kit::target::Target;
+use saarcor_kit::target::{How, Target};
 use saarcor_kit::templates::{Fault, TEMPLATES, faults};
 use saarcor_kit::vm::config;
 use saarcor_model::vm::CacheConfig;
@@ -23,7 +23,7 @@ fn planted(fault: &Fault) -> (tempfile::TempDir, Target) {
     for (name, text) in template.with_fault(fault).expect("its line") {
         std::fs::write(folder.path().join(name), text).expect("written");
     }
-    let target = Target::open(folder.path().to_str().expect("text"), None).expect("a folder");
+    let target = Target::open(folder.path().to_str().expect("text"), &How::default()).expect("a folder");
     assert!(target.missing.is_empty(), "needs {:?}", target.missing);
     target.build().expect("it compiles");
     (folder, target)
@@ -41,6 +41,14 @@ fn first_failure(fault: &Fault, dut: &dyn Dut, kind: &dyn Kind) -> Option<Failur
 /// Requests that exhaustive search is made of: each line of twice the memory, and what forgets them.
 /// For sets alone, the first lines.
 fn alphabet(config: &str) -> Vec<String> {
+    if let Ok(meta) = saarcor_kit::meta::config::parse(config) {
+        let geometry = meta.cache.geometry;
+        let lines = 0..2 * geometry.lines().min(4);
+        let mut requests: Vec<_> = lines.map(|n| format!("r {:x}", n * geometry.line().0)).collect();
+        requests.extend(["i 0 1".into(), "flush".into()]);
+        requests.extend(meta.faults.then(|| "x 0 1".into()));
+        return requests;
+    }
     let Ok(CacheConfig { geometry, .. }) = config::parse(config) else {
         return (0..16).map(|line| format!("s {line:x}")).collect();
     };

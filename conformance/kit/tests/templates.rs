@@ -6,9 +6,10 @@ use saarcor_kit::hash::SetHash;
 use saarcor_kit::kd::Kd;
 use saarcor_kit::kind::Kind;
 use saarcor_kit::level::Level;
+use saarcor_kit::meta::Meta;
 use saarcor_kit::report::{Report, Verdict};
 use saarcor_kit::run::{Options, Planned, default_suite, run};
-use saarcor_kit::target::Target;
+use saarcor_kit::target::{How, Target};
 use saarcor_kit::vm::Vm;
 use saarcor_kit::vm::cache::CacheServed;
 
@@ -25,7 +26,7 @@ fn template(name: &str) -> (tempfile::TempDir, Target) {
             std::fs::copy(file.path(), folder.path().join(file.file_name())).expect("copied");
         }
     }
-    let target = Target::open(folder.path().to_str().expect("text"), None).expect("a template");
+    let target = Target::open(folder.path().to_str().expect("text"), &How::default()).expect("a template");
     assert!(target.missing.is_empty(), "{name} needs {:?}", target.missing);
     target.build().expect("it builds");
     (folder, target)
@@ -103,6 +104,15 @@ fn kd_python_conforms_whatever_the_seed() {
     conforms_to(&Kd, &*target.dut, &seeds(200, 200));
 }
 
+#[test]
+fn meta_conforms_in_some_sessions() {
+    let (_folder, target) = template("meta");
+    let options = Options { requests: 24_000, ..Options::default() };
+    let planned: Vec<_> = default_suite(&Meta, &options).expect("suites").into_iter().step_by(3).collect();
+    let report = conforms_to(&Meta, &*target.dut, &planned);
+    assert_eq!(report.highest, Some(Level::Metadata));
+}
+
 /// One session in ten: starting Python takes most of the time.
 #[test]
 fn python_conforms_in_some_sessions() {
@@ -121,6 +131,17 @@ fn verilog_conforms_whatever_the_seed() {
         ["lines", "policy"]
     );
     conforms(&*target.dut, &seeds(200, 100));
+}
+
+#[test]
+#[ignore = "starts Python 600 times"]
+fn hash_and_meta_conform_whatever_the_seed() {
+    for (name, kind) in [("hash", &SetHash as &dyn Kind), ("meta", &Meta)] {
+        let (_folder, target) = template(name);
+        let options = Options { requests: 48_000, ..Options::default() };
+        conforms_to(kind, &*target.dut, &default_suite(kind, &options).expect("suites"));
+        conforms_to(kind, &*target.dut, &seeds(200, 500));
+    }
 }
 
 #[test]

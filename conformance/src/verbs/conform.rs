@@ -18,9 +18,10 @@ use saarcor_kit::run::{
     ERRORS, Options, Planned, RANDOM_REQUESTS, default_suite, kind_of, run, sessions_named,
 };
 use saarcor_kit::session::Session;
-use saarcor_kit::target::Target;
+use saarcor_kit::target::{How, Target, shell_word as quoted};
 use saarcor_kit::templates::{TEMPLATES, faults};
-use saarcor_kit::{KINDS, child, kind_named};
+use saarcor_kit::vm::{Vm, trace};
+use saarcor_kit::{KINDS, child, kind_named, library};
 use std::fs;
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -38,6 +39,7 @@ enum Verb {
     Generate(GenerateArgs),
     Check(CheckArgs),
     List(ListArgs),
+    ServeLibrary(ServeLibraryArgs),
     New(NewArgs),
 }
 
@@ -49,6 +51,7 @@ impl Args {
             Verb::Generate(args) => args.run(),
             Verb::Check(args) => args.run(),
             Verb::List(args) => args.run(),
+            Verb::ServeLibrary(args) => args.run(),
             Verb::New(args) => args.run(progress),
         }
     }
@@ -77,6 +80,12 @@ struct RunArgs {
     /// Runs only this suite, random session or file; can be given several times
     #[arg(long, value_name = "SUITE")]
     suite: Vec<String>,
+    /// Plays a trace of a frame, as 'trace record --format din' writes it; can be given several times
+    #[arg(long, value_name = "FILE")]
+    trace: Vec<PathBuf>,
+    /// Runs the shared library that dut.toml names, and not its command
+    #[arg(long)]
+    library: bool,
     /// Stops after N sessions that fail
     #[arg(long, value_name = "N", default_value_t = ERRORS as u32, value_parser = clap::value_parser!(u32).range(1..))]
     errors: u32,
@@ -111,8 +120,17 @@ impl RunArgs {
         let junit = self.junit.as_deref().map(OutFile::check).transpose()?;
         let html = self.html.as_deref().map(OutFile::check).transpose()?;
         let named = self.suite.iter().map(|name| named(name, self.random_requests(None)));
-        let named = named.collect::<Result<Vec<_>>>()?;
-        let target = Target::open(&self.dut, self.time_limit)?;
+        let traces = self.trace.iter().map(|path| traced(path));
+        let named = named.chain(traces).collect::<Result<Vec<_>>>()?;
+        let program = std::env::current_exe().context("the path of this program")?;
+        let target = Target::open(
+            &self.dut,
+            &How {
+                time_limit: self.time_limit,
+                takes_library: self.library,
+                library_server: format!("{} conform serve-library", quoted(&program.display().to_string())),
+            },
+        )?;
         if !target.missing.is_empty() {
             let missing = target.missing.join(", ");
             // An error that is no bad input; where standard error is closed, the status has to do.
@@ -121,6 +139,7 @@ impl RunArgs {
             return Ok(Status::Incomplete);
         }
         child::adopt_strays();
+        child::kill_all_when_ended()?;
         let report = target.build().and_then(|()| self.report(&target, named, progress));
         child::kill_strays();
         let mut report = report?;
@@ -212,22 +231,13 @@ impl RunArgs {
                 .join(name.replace(|c: char| !(c.is_ascii_alphanumeric() || "-._=,".contains(c)), "-"));
             OutFile::check(&path)?.write(|out| Ok(out.write_all(&failure.suite)?))?;
             failure.replay = Some(format!(
-                "saarcor conform run {} --suite {}",
+                "saarcor conform run {}{} --suite {}",
                 quoted(&self.dut),
+                if self.library { " --library" } else { "" },
                 quoted(&path.display().to_string())
             ));
         }
         Ok(())
-    }
-}
-
-/// An argument as a shell takes it.
-fn quoted(argument: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-=,@+".contains(c);
-    if !argument.is_empty() && argument.chars().all(plain) {
-        argument.to_owned()
-    } else {
-        format!("'{}'", argument.replace('\'', r"'\''"))
     }
 }
 
@@ -244,6 +254,33 @@ fn named(name: &str, requests: usize) -> Result<(&'static dyn Kind, Vec<Session>
         }
     }
     sessions_named(name, requests)
+}
+
+/// The sessions of a trace.
+fn traced(path: &Path) -> Result<(&'static dyn Kind, Vec<Session>)> {
+    let shown = path.display();
+    let text = fs::read_to_string(path).with_context(|| format!("{shown}: cannot be read"))?;
+    let addresses = trace::parse_din(&text).with_context(|| shown.to_string())?;
+    ensure!(!addresses.is_empty(), "{shown}: has no reads");
+    Ok((&Vm, trace::sessions(&shown.to_string(), Vm.hello(), &addresses, usize::MAX)))
+}
+
+/// Holds one conversation with a shared library over standard input and output, as 'run' does
+#[derive(Debug, clap::Args)]
+struct ServeLibraryArgs {
+    /// A library with the functions of saarcor.h
+    #[arg(value_name = "FILE")]
+    library: PathBuf,
+}
+
+impl ServeLibraryArgs {
+    fn run(self) -> Result<Status> {
+        // A path without a folder would be looked for where the system keeps its libraries.
+        let path = fs::canonicalize(&self.library)
+            .with_context(|| format!("{}: cannot be read", self.library.display()))?;
+        library::serve(&path, std::io::stdin().lock(), std::io::stdout().lock())?;
+        Ok(Status::Holds)
+    }
 }
 
 /// Writes the requests of a suite, for an implementation to answer

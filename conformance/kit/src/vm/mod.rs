@@ -9,6 +9,7 @@ pub mod model;
 pub mod naive;
 mod random;
 pub mod request;
+pub mod trace;
 
 use crate::kind::{Comparison, Coverage, Kind, Oracle};
 use crate::level::Level;
@@ -46,6 +47,14 @@ impl Kind for Vm {
         let config = random::config_of(seed);
         let name = format!("{}/random/{seed}", self.prefix());
         Session::new(&name, self.hello(), config, &random::requests(config, seed, requests))
+    }
+
+    fn recorded(&self, requests: usize) -> Vec<Session> {
+        let frames = trace::FRAMES.iter().flat_map(|(name, din)| {
+            let addresses = trace::parse_din(din).expect("a trace of the kit, which a test reads");
+            trace::sessions(name, self.hello(), &addresses, requests)
+        });
+        frames.collect()
     }
 
     fn check(&self, session: &Session) -> Result<(), String> {

@@ -89,7 +89,9 @@ impl<'a> Request<'a> {
     }
 }
 
-fn address(word: &[u8]) -> Option<u32> {
+/// A host address in hex.
+#[must_use]
+pub fn address(word: &[u8]) -> Option<u32> {
     hex::number(word).and_then(|number| u32::try_from(number).ok())
 }
 

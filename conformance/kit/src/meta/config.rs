@@ -1,0 +1,138 @@
+//! The configuration of `saarcor-meta`: that of `saarcor-vm`, and
+//! `granule=16 meta-sets=1024 meta-ways=4 faults=0`.
+
+use crate::vm::config;
+use saarcor_model::metadata::ENTRY_BYTES;
+use saarcor_model::vm::CacheConfig;
+
+/// Values that the kit's model is built for.
+const WAYS: &[u32] = &[1, 2, 4, 8];
+const GRANULES: &[usize] = &[8, 16];
+const META_WAYS: &[usize] = &[1, 2, 4];
+
+/// Most sets of the metadata cache (Assumed: sixteen times the paper's).
+const MAX_META_SETS: usize = 1 << 14;
+
+/// What version B depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MetaConfig {
+    /// The cache of lines.
+    pub cache: CacheConfig,
+    /// Bytes of a granule.
+    pub granule: usize,
+    /// Sets of the metadata cache.
+    pub sets: usize,
+    /// Its ways.
+    pub ways: usize,
+    /// Whether metadata on the card is made corrupt.
+    pub faults: bool,
+}
+
+impl MetaConfig {
+    /// Bytes of all metadata.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.cache.geometry.lines() * ENTRY_BYTES as u64
+    }
+}
+
+/// The version B that a configuration names.
+///
+/// # Errors
+/// The key that is wrong, and what would be right.
+pub fn parse(text: &str) -> Result<MetaConfig, String> {
+    let (mut granule, mut sets, mut ways, mut faults) = (None, None, None, None);
+    let mut of_cache = Vec::new();
+    for word in text.split_ascii_whitespace() {
+        let (key, value) = word.split_once('=').unwrap_or((word, ""));
+        let number = || value.parse::<usize>().map_err(|_| format!("{word}: write a decimal number"));
+        match key {
+            "granule" => granule = Some(number()?),
+            "meta-sets" => sets = Some(number()?),
+            "meta-ways" => ways = Some(number()?),
+            "faults" => faults = Some(number()?),
+            _ => of_cache.push(word),
+        }
+    }
+    let cache = config::parse(&of_cache.join(" "))?;
+    let one_of = |key: &str, value: Option<usize>, all: &[usize]| {
+        let value = value.ok_or_else(|| format!("{key} is missing"))?;
+        let names: Vec<_> = all.iter().map(usize::to_string).collect();
+        all.contains(&value)
+            .then_some(value)
+            .ok_or(format!("{key}={value}: write one of {}", names.join(", ")))
+    };
+    if !WAYS.contains(&cache.geometry.ways()) {
+        return Err(format!("ways={}: version B is for at most 8", cache.geometry.ways()));
+    }
+    let sets = sets.ok_or("meta-sets is missing")?;
+    if !sets.is_power_of_two() || sets > MAX_META_SETS {
+        return Err(format!("meta-sets={sets}: it must be a power of two up to {MAX_META_SETS}"));
+    }
+    Ok(MetaConfig {
+        cache,
+        granule: one_of("granule", granule, GRANULES)?,
+        sets,
+        ways: one_of("meta-ways", ways, META_WAYS)?,
+        faults: one_of("faults", faults, &[0, 1])? == 1,
+    })
+}
+
+/// The configuration that [`parse`] reads back.
+#[must_use]
+pub fn text(config: &MetaConfig) -> String {
+    let MetaConfig { cache, granule, sets, ways, faults } = config;
+    let cache = config::text(cache);
+    format!("{cache} granule={granule} meta-sets={sets} meta-ways={ways} faults={}", u8::from(*faults))
+}
+
+/// Configurations that are simpler by one step.
+#[must_use]
+pub fn simpler(config: &MetaConfig) -> Vec<MetaConfig> {
+    let mut steps = vec![MetaConfig { sets: 1, ..*config }, MetaConfig { sets: 1, ways: 1, ..*config }];
+    steps.extend(config::simpler(&config.cache).into_iter().map(|cache| MetaConfig { cache, ..*config }));
+    steps.push(MetaConfig { sets: (config.sets / 2).max(1), ..*config });
+    steps.push(MetaConfig { ways: (config.ways / 2).max(1), ..*config });
+    steps.retain(|simpler| simpler != config);
+    steps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STANDARD: &str = "line=128 lines=65536 ways=4 hash=add-upper policy=lru granule=16 meta-sets=1024 \
+                            meta-ways=4 faults=0";
+
+    #[test]
+    fn configurations_read_back() {
+        let config = parse(STANDARD).expect("the paper's");
+        assert_eq!(text(&config), STANDARD);
+        assert_eq!((config.granule * config.sets * config.ways, config.bytes()), (64 << 10, 5 * 65536));
+    }
+
+    #[test]
+    fn what_is_no_configuration_is_told() {
+        for (from, to, says) in [
+            ("granule=16", "granule=24", "8, 16"),
+            ("meta-sets=1024", "meta-sets=3", "power of two"),
+            ("meta-ways=4", "meta-ways=8", "1, 2, 4"),
+            (" ways=4", " ways=16", "at most 8"),
+            ("faults=0", "", "faults is missing"),
+            ("faults=0", "fault=0", "fault"),
+            ("line=128", "line=x", "decimal"),
+        ] {
+            let error = parse(&STANDARD.replacen(from, to, 1)).expect_err("none");
+            assert!(error.contains(says), "{from} -> {to}: {error}");
+        }
+    }
+
+    #[test]
+    fn simpler_configurations_end() {
+        let mut config = parse(STANDARD).expect("the paper's");
+        while let Some(next) = simpler(&config).last() {
+            config = *next;
+        }
+        assert_eq!((config.sets, config.ways, config.cache.geometry.lines()), (1, 1, 1));
+    }
+}

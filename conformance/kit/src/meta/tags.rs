@@ -1,0 +1,262 @@
+//! The tags of version B as a Rust type: what an implementation in process provides, and the model's
+//! and the naive reference's.
+
+use super::config::{self, MetaConfig};
+use super::request::{Observes, Request, push_moved};
+use crate::hex;
+use crate::serve::{Served, Unsupported};
+use saarcor_model::data_set::WriteBack;
+use saarcor_model::metadata_cache::{CachedMetadata, Watch};
+use saarcor_model::set::{Outcome, Policy, Set};
+use saarcor_model::units::{HostAddr, LineAddr};
+use saarcor_model::vm::Directory;
+use saarcor_reference::metadata::{Moved, NaiveTags};
+
+/// An implementation of version B's tags, empty at first.
+pub trait Tags: Send {
+    /// The chip uses a line; says what it did and, in `moved`, which granules moved for it.
+    fn access(&mut self, line: LineAddr, moved: &mut Vec<Moved>) -> Outcome;
+
+    /// Forgets every line that the range meets, one after the other.
+    fn invalidate(&mut self, host: HostAddr, len: u64, moved: &mut Vec<Moved>);
+
+    /// Forgets all lines.
+    fn flush(&mut self);
+
+    /// Turns bits of a byte of the metadata on the card over.
+    fn turn_over(&mut self, byte: usize, mask: u8);
+
+    /// The set of a line, for a person; nothing where it cannot be seen.
+    fn shown(&self, _line: LineAddr) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+/// What moved, as the model's metadata cache tells.
+#[derive(Clone, Debug, Default)]
+pub struct Log(Vec<Moved>);
+
+impl<const GRANULE: usize> Watch<GRANULE> for Log {
+    fn granule(&mut self, granule: LineAddr, outcome: Outcome, write_back: Option<WriteBack<GRANULE>>) {
+        self.0.push(match outcome {
+            Outcome::Hit { .. } => Moved::Found(granule.0),
+            Outcome::Miss { .. } => Moved::Read(granule.0),
+        });
+        self.0.extend(write_back.map(|back| Moved::WrittenBack(back.line.0, back.bytes.to_vec())));
+    }
+
+    fn corrupt(&mut self) {}
+}
+
+/// The model's directory of version B.
+pub struct ModelTags<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> {
+    /// The directory.
+    pub directory: Directory<WAYS, CachedMetadata<WAYS, META_WAYS, GRANULE, Log>>,
+}
+
+impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> ModelTags<WAYS, META_WAYS, GRANULE> {
+    /// The tags of an empty cache.
+    ///
+    /// # Panics
+    /// If the type is not that of the configuration.
+    #[must_use]
+    pub fn new(config: &MetaConfig) -> Self {
+        let metadata = CachedMetadata::watched(&config.cache, config.sets, Policy::Lru, Log::default());
+        Self { directory: Directory::over(config.cache, metadata) }
+    }
+
+    /// The set that a line belongs to; none where its metadata is corrupt.
+    #[must_use]
+    pub fn set_of(&self, line: LineAddr) -> Option<Set<WAYS>> {
+        let entries = self.directory.metadata.entries(self.directory.config.set_of(line));
+        Set::from_entries(entries, self.directory.config.policy).ok()
+    }
+}
+
+impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> Tags
+    for ModelTags<WAYS, META_WAYS, GRANULE>
+{
+    fn access(&mut self, line: LineAddr, moved: &mut Vec<Moved>) -> Outcome {
+        let outcome = self.directory.access(line);
+        moved.append(&mut self.directory.metadata.traffic.0);
+        outcome
+    }
+
+    fn invalidate(&mut self, host: HostAddr, len: u64, moved: &mut Vec<Moved>) {
+        self.directory.invalidate(host, len);
+        moved.append(&mut self.directory.metadata.traffic.0);
+    }
+
+    fn flush(&mut self) {
+        self.directory.flush();
+    }
+
+    fn turn_over(&mut self, byte: usize, mask: u8) {
+        self.directory.metadata.card[byte] ^= mask;
+    }
+
+    fn shown(&self, line: LineAddr) -> Vec<String> {
+        let set = self.directory.config.set_of(line).0;
+        let mut rows = vec![format!("line {:x} belongs to set {set:x}", line.0)];
+        match self.set_of(line) {
+            None => rows.push("its metadata is corrupt: it is taken for empty".to_owned()),
+            Some(set) => {
+                for way in 0..WAYS {
+                    let free = if set.resident[way] { "" } else { ", free" };
+                    let (line, order) = (set.lines[way].0, set.order[way]);
+                    rows.push(format!("way {way:x}: line {line:x}{free}; management bits {order:x}"));
+                }
+            }
+        }
+        for (number, cached) in self.directory.metadata.cache.iter().enumerate() {
+            for way in (0..META_WAYS).filter(|&way| cached.set.resident[way]) {
+                let changed = if cached.dirty[way] { ", changed" } else { "" };
+                let granule = cached.set.lines[way].0;
+                rows.push(format!(
+                    "metadata cache, set {number:x}, way {way:x}: granule {granule:x}{changed}"
+                ));
+            }
+        }
+        // Of a large metadata cache a part: the set of lines comes first.
+        rows.truncate(SHOWN_ROWS);
+        rows
+    }
+}
+
+/// Most rows that are shown.
+const SHOWN_ROWS: usize = 40;
+
+impl Tags for NaiveTags {
+    fn access(&mut self, line: LineAddr, moved: &mut Vec<Moved>) -> Outcome {
+        self.access(line, moved)
+    }
+
+    fn invalidate(&mut self, host: HostAddr, len: u64, moved: &mut Vec<Moved>) {
+        self.invalidate(host, len, moved);
+    }
+
+    fn flush(&mut self) {
+        self.flush();
+    }
+
+    fn turn_over(&mut self, byte: usize, mask: u8) {
+        self.turn_over(byte, mask);
+    }
+}
+
+/// Makes the tags of an empty cache; a key where its value is not supported.
+pub type MakeTags = dyn Fn(&MetaConfig) -> Result<Box<dyn Tags>, Unsupported> + Sync;
+
+/// The model of a configuration.
+///
+/// # Errors
+/// Never: the model supports all.
+pub fn model(config: &MetaConfig) -> Result<Box<dyn Tags>, Unsupported> {
+    Ok(match config.cache.geometry.ways() {
+        1 => model_of_ways::<1>(config),
+        2 => model_of_ways::<2>(config),
+        4 => model_of_ways::<4>(config),
+        _ => model_of_ways::<8>(config),
+    })
+}
+
+fn model_of_ways<const WAYS: usize>(config: &MetaConfig) -> Box<dyn Tags> {
+    match (config.ways, config.granule) {
+        (1, 8) => Box::new(ModelTags::<WAYS, 1, 8>::new(config)),
+        (2, 8) => Box::new(ModelTags::<WAYS, 2, 8>::new(config)),
+        (4, 8) => Box::new(ModelTags::<WAYS, 4, 8>::new(config)),
+        (1, _) => Box::new(ModelTags::<WAYS, 1, 16>::new(config)),
+        (2, _) => Box::new(ModelTags::<WAYS, 2, 16>::new(config)),
+        (_, _) => Box::new(ModelTags::<WAYS, 4, 16>::new(config)),
+    }
+}
+
+/// The naive reference of a configuration.
+///
+/// # Errors
+/// Never: it supports all.
+pub fn naive(config: &MetaConfig) -> Result<Box<dyn Tags>, Unsupported> {
+    Ok(Box::new(NaiveTags::new(config.cache, config.granule, config.sets, config.ways)))
+}
+
+/// Tags that speak `saarcor-meta`.
+pub struct TagsServed {
+    config: MetaConfig,
+    tags: Box<dyn Tags>,
+    /// What is shown of each answer.
+    pub observes: Observes,
+    moved: Vec<Moved>,
+}
+
+impl TagsServed {
+    /// The tags of a configuration, which observe all.
+    ///
+    /// # Errors
+    /// The key that is not supported.
+    pub fn new(config: &str, make: &MakeTags) -> Result<Self, Unsupported> {
+        let config = config::parse(config).map_err(Unsupported)?;
+        Ok(Self { config, tags: make(&config)?, observes: Observes::ALL, moved: Vec::new() })
+    }
+
+    /// The set of an address, for a person.
+    #[must_use]
+    pub fn shown(&self, host: u32) -> Vec<String> {
+        self.tags.shown(self.config.cache.geometry.line_of(HostAddr(host)))
+    }
+
+    fn read(&mut self, host: HostAddr, answer: &mut Vec<u8>) {
+        let geometry = self.config.cache.geometry;
+        let line = geometry.line_of(host);
+        let outcome = self.tags.access(line, &mut self.moved);
+        let start = geometry.card_addr(self.config.cache.set_of(line), outcome.way());
+        let Observes { hit, card, evict, .. } = self.observes;
+        answer.extend_from_slice(match outcome {
+            _ if !hit => b"- ",
+            Outcome::Hit { .. } => b"h ",
+            Outcome::Miss { .. } => b"m ",
+        });
+        push_seen(answer, Some(start.0 + geometry.offset_of(host)).filter(|_| card));
+        if let Outcome::Miss { evicted, .. } = outcome {
+            answer.push(b' ');
+            push_seen(answer, evicted.filter(|_| evict).map(|line| geometry.first_byte(line).0));
+        }
+    }
+}
+
+/// Appends a number, or `-` for none.
+fn push_seen(answer: &mut Vec<u8>, number: Option<u32>) {
+    match number {
+        Some(number) => hex::push_number(answer, u64::from(number)),
+        None => answer.push(b'-'),
+    }
+}
+
+impl Served for TagsServed {
+    fn observes(&self) -> String {
+        self.observes.to_string()
+    }
+
+    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), &'static str> {
+        let request = Request::parse(request)?;
+        super::fits(&self.config, request)?;
+        self.moved.clear();
+        match request {
+            Request::Read { host } => self.read(HostAddr(host), answer),
+            Request::Invalidate { host, len } => {
+                self.tags.invalidate(HostAddr(host), len, &mut self.moved);
+                answer.extend_from_slice(b"ok");
+            }
+            Request::Flush => self.tags.flush(),
+            Request::TurnOver { byte, mask } => self.tags.turn_over(byte as usize, mask),
+        }
+        match request {
+            Request::Flush | Request::TurnOver { .. } => answer.extend_from_slice(b"ok"),
+            Request::Read { .. } | Request::Invalidate { .. } if self.observes.meta => {
+                answer.push(b' ');
+                push_moved(answer, &self.moved, self.observes.bytes);
+            }
+            Request::Read { .. } | Request::Invalidate { .. } => answer.extend_from_slice(b" -"),
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,121 @@
+//! Hostile implementations before the command line: a verdict in time, little memory, and no process
+//! left, however the runner ends.
+#![cfg(target_os = "linux")]
+
+mod common;
+
+use common::saarcor;
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Names a run in the environment of all that it starts.
+const MARK: &str = "SAARCOR_TEST_MARK";
+/// What the runner may take, of which it needs a tenth.
+const MOST_KIB: u64 = 300 << 10;
+/// What a verdict may take beyond the time limit.
+const SLACK: Duration = Duration::from_secs(2);
+
+/// A run with a marked implementation that has this command.
+struct Run {
+    child: Child,
+    mark: String,
+    began: Instant,
+    _folder: tempfile::TempDir,
+}
+
+impl Run {
+    fn start(command: &str, time_limit: u64) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let dut = format!("kind = \"saarcor-vm\"\ntime_limit = {time_limit}\ncommand = '''{command}'''\n");
+        fs::write(folder.path().join("dut.toml"), dut).expect("written");
+        let mark = folder.path().display().to_string();
+        let mut runner = saarcor(&["conform", "run", &mark, "--json", "--keep"]);
+        runner.arg(folder.path().join("kept")).env(MARK, &mark).stdout(Stdio::piped()).stderr(Stdio::piped());
+        Self { began: Instant::now(), child: runner.spawn().expect("it starts"), mark, _folder: folder }
+    }
+
+    /// Waits for the end, and says how much memory the runner took and what it printed.
+    fn watch(mut self) -> (u64, Duration, serde_json::Value) {
+        let status = format!("/proc/{}/status", self.child.id());
+        let mut most = 0;
+        while self.child.try_wait().expect("a child").is_none() {
+            let text = fs::read_to_string(&status).unwrap_or_default();
+            let peak = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+            let peak = peak.and_then(|peak| peak.trim().split(' ').next()?.parse().ok());
+            most = most.max(peak.unwrap_or(0));
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let took = self.began.elapsed();
+        assert_eq!(marked(&self.mark), Vec::<String>::new());
+        let output = self.child.wait_with_output().expect("its output");
+        (most, took, serde_json::from_slice(&output.stdout).expect("an object"))
+    }
+
+    /// Waits until the implementation runs.
+    fn wait_for_implementation(&self) {
+        while marked(&self.mark).len() < 2 {
+            assert!(self.began.elapsed() < Duration::from_secs(60), "it never starts");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}
+
+/// The command lines of the processes that have the mark.
+fn marked(mark: &str) -> Vec<String> {
+    let entry = format!("{MARK}={mark}").into_bytes();
+    let processes = fs::read_dir("/proc").expect("Linux has it").flatten();
+    let marked = processes.map(|process| process.path()).filter(|process| {
+        let environment = fs::read(process.join("environ")).unwrap_or_default();
+        environment.split(|&byte| byte == 0).any(|variable| variable == entry)
+    });
+    let line = |process: &Path| fs::read_to_string(process.join("cmdline")).unwrap_or_default();
+    marked.map(|process| line(&process).replace('\0', " ")).collect()
+}
+
+#[test]
+fn verdict_is_in_time_and_memory_bounded() {
+    let hello = "read x; echo saarcor-vm 1; read x; echo ok observes=data,hit,card,evict";
+    for (command, verdict) in [
+        ("cat /dev/zero", "does-not-conform"),
+        ("yes", "does-not-conform"),
+        ("yes complaint >&2", "does-not-conform"),
+        ("cat /dev/zero >&2", "does-not-conform"),
+        ("sleep 1000 & sleep 1000", "does-not-conform"),
+        ("setsid sleep 1000 & exit 1", "does-not-conform"),
+        (&format!("{hello}; while :; do echo ok; done"), "does-not-conform"),
+        (&format!("{hello}; while read x; do sleep 0.1; echo ok; done"), "does-not-conform"),
+        (
+            &format!("{hello}; sleep 0.4; read x; echo ok; sleep 0.4; head -c 9 /dev/zero; sleep 1000"),
+            "does-not-conform",
+        ),
+    ] {
+        let (most, took, report) = Run::start(command, 1).watch();
+        assert_eq!(report["verdict"], verdict, "{command}: {report}");
+        assert!(most < MOST_KIB, "{command}: {most} KiB");
+        assert!(took < Duration::from_secs(1) + SLACK, "{command}: {took:?}");
+        let stderr = report["failures"][0]["stderr"].as_str().expect("text");
+        assert!(!command.contains("complaint") || stderr.contains("complaint"), "{command}: {report}");
+    }
+}
+
+#[test]
+fn nothing_is_left_when_the_runner_is_ended() {
+    for signal in ["INT", "TERM"] {
+        let mut run = Run::start("setsid sleep 1000 & sleep 1000", 1000);
+        run.wait_for_implementation();
+        let kill = Command::new("kill").args(["-s", signal, &run.child.id().to_string()]).status();
+        assert!(kill.expect("it starts").success());
+        assert!(!run.child.wait().expect("a child").success());
+        assert_eq!(marked(&run.mark), Vec::<String>::new(), "{signal}");
+    }
+}
+
+#[test]
+fn nothing_is_left_when_nobody_reads_the_report() {
+    let mut run = Run::start("sleep 1000 & sleep 1000", 1);
+    drop(run.child.stdout.take());
+    run.child.wait().expect("a child");
+    assert_eq!(marked(&run.mark), Vec::<String>::new());
+}
