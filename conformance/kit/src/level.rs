@@ -25,15 +25,8 @@ pub enum Level {
 
 impl Level {
     /// All levels, the lowest first.
-    pub const ALL: [Self; 7] = [
-        Self::Protocol,
-        Self::Data,
-        Self::Traffic,
-        Self::State,
-        Self::Metadata,
-        Self::Rays,
-        Self::Traversal,
-    ];
+    pub const ALL: [Self; 7] =
+        [Self::Protocol, Self::Data, Self::Traffic, Self::State, Self::Metadata, Self::Rays, Self::Traversal];
 
     /// The highest.
     pub const HIGHEST: Self = Self::Traversal;

@@ -99,7 +99,7 @@ impl Comparison for MetaComparison {
             Level::Traffic => hit,
             Level::State => hit && card,
             Level::Metadata => hit && meta,
-            Level::Data => false,
+            _ => false,
         }
     }
 
