@@ -76,11 +76,25 @@ fn some_fail(dut: &dyn Dut, kind: &dyn Kind, failure: &Session, length: usize) -
     })
 }
 
+/// The templates that are programs of Python: starting it takes most of the time.
+const IN_PYTHON: [&str; 4] = ["python", "hash", "meta", "kd-python"];
+
 #[test]
 fn every_fault_is_found_for_its_requirement_by_few_requests() {
+    all_are_found(|fault| !IN_PYTHON.contains(&fault.template.as_str()));
+}
+
+#[test]
+#[ignore = "starts Python thousands of times"]
+fn every_fault_in_python_is_found_for_its_requirement_by_few_requests() {
+    all_are_found(|fault| IN_PYTHON.contains(&fault.template.as_str()));
+}
+
+fn all_are_found(among: impl Fn(&Fault) -> bool + Sync) {
     let wrong: Vec<String> = faults()
         .expect("a list")
         .par_iter()
+        .filter(|fault| among(fault))
         .filter_map(|fault| {
             let (_folder, target) = planted(fault);
             let kind = target.kind.expect("dut.toml names it");
