@@ -5,17 +5,17 @@
 //! looking. The memory chips go clock by clock and give the commands that they may.
 
 use crate::cache::NaiveCache;
+use crate::metadata::{Moved, NaiveTags};
 use saarcor_model::chip::{CacheReport, Report, Stall};
 use saarcor_model::chip_config::{CHIP_CACHE_WAYS, ChipConfig, Version};
 use saarcor_model::geometry::Geometry;
 use saarcor_model::hash::Hash;
 use saarcor_model::memory::Port;
-use saarcor_model::metadata::ENTRY_BYTES;
 use saarcor_model::program::{Operation, Programs};
 use saarcor_model::sdram::{Direction, SdramConfig};
 use saarcor_model::set::{Outcome, Policy};
 use saarcor_model::units::{Bytes, LineAddr};
-use saarcor_model::vm::{CacheConfig, Directory};
+use saarcor_model::vm::CacheConfig;
 use std::collections::VecDeque;
 
 /// What a thread is doing.
@@ -115,7 +115,8 @@ struct NaiveChip<'a> {
     first_level: Vec<FirstLevel>,
     last_cache: Option<usize>,
     directory: NaiveCache,
-    metadata: NaiveMetadata,
+    /// Version B's tags, in the place of the directory.
+    tags_of_b: Option<NaiveTags>,
     tags: VecDeque<Tag>,
     from_host: VecDeque<HostLine>,
     /// The transfer over the bus to the host ends in this cycle.
@@ -164,7 +165,10 @@ impl<'a> NaiveChip<'a> {
             first_level: (0..4).map(first_level).collect(),
             last_cache: None,
             directory: NaiveCache::new(config.cache),
-            metadata: NaiveMetadata::new(config),
+            tags_of_b: (config.version == Version::B).then(|| {
+                let cached = config.metadata_cache;
+                NaiveTags::new(config.cache, cached.granule as usize, cached.sets() as usize, CHIP_CACHE_WAYS)
+            }),
             tags: VecDeque::new(),
             from_host: VecDeque::new(),
             bus: None,
@@ -441,13 +445,18 @@ impl<'a> NaiveChip<'a> {
         let line_bytes = self.config.cache.geometry.line().0;
         let line = LineAddr((addr / line_bytes) as u32);
         let set = self.directory.set_of(line);
-        let outcome = self.directory.access(line);
-        let slot = set * u64::from(self.config.cache.geometry.ways()) + u64::from(outcome.way().0);
-        let moves = match self.config.version {
-            Version::B => self.metadata.used(set, line),
-            _ => Vec::new(),
+        let mut moved = Vec::new();
+        let outcome = match &mut self.tags_of_b {
+            Some(tags) => tags.access(line, &mut moved),
+            None => self.directory.access(line),
         };
-        (slot * line_bytes + addr % line_bytes, matches!(outcome, Outcome::Miss { .. }), moves)
+        let slot = set * u64::from(self.config.cache.geometry.ways()) + u64::from(outcome.way().0);
+        let moves = moved.into_iter().filter_map(|moved| match moved {
+            Moved::Found(_) => None,
+            Moved::Read(granule) => Some((granule.into(), Direction::Read)),
+            Moved::WrittenBack(granule, _) => Some((granule.into(), Direction::Write)),
+        });
+        (slot * line_bytes + addr % line_bytes, matches!(outcome, Outcome::Miss { .. }), moves.collect())
     }
 
     fn phase_8_bus_manager(&mut self) {
@@ -568,90 +577,6 @@ fn four_ways(sets: u64) -> CacheConfig {
     let lines = Bytes(sets * CHIP_CACHE_WAYS as u64);
     let geometry = Geometry::new(lines, Bytes(1), CHIP_CACHE_WAYS as u32).expect("a power of two of sets");
     CacheConfig { geometry, hash: Hash::Low, policy: Policy::Lru }
-}
-
-/// The bytes of a set's metadata before and after an access.
-type Entries = Box<dyn FnMut(u64, LineAddr) -> [Vec<u8>; 2]>;
-
-/// The metadata cache of version B as lists of granules, the one used last at the end.
-struct NaiveMetadata {
-    /// Number of each granule, and whether it has changed.
-    sets: Vec<Vec<(u64, bool)>>,
-    granule: u64,
-    set_bytes: u64,
-    /// What an entry looks like in bits is the model's to say (VM-12).
-    entries: Entries,
-}
-
-fn entries_of<const WAYS: usize>(config: CacheConfig) -> Entries {
-    let mut directory = Directory::<WAYS>::new(config);
-    Box::new(move |set, line| {
-        let bytes = |directory: &Directory<WAYS>| directory.sets()[set as usize].to_entries().concat();
-        let before = bytes(&directory);
-        directory.access(line);
-        [before, bytes(&directory)]
-    })
-}
-
-impl NaiveMetadata {
-    fn new(config: &ChipConfig) -> Self {
-        let ways = config.cache.geometry.ways();
-        let entries = match ways {
-            1 => entries_of::<1>(config.cache),
-            2 => entries_of::<2>(config.cache),
-            4 => entries_of::<4>(config.cache),
-            8 => entries_of::<8>(config.cache),
-            _ => entries_of::<16>(config.cache),
-        };
-        let sets = (config.metadata_cache.bytes / config.metadata_cache.granule) as usize / CHIP_CACHE_WAYS;
-        Self {
-            sets: vec![Vec::new(); sets],
-            granule: config.metadata_cache.granule.into(),
-            set_bytes: u64::from(ways) * ENTRY_BYTES as u64,
-            entries,
-        }
-    }
-
-    /// The granules that move when `line` of `set` is used.
-    fn used(&mut self, set: u64, line: LineAddr) -> Vec<(u64, Direction)> {
-        let [before, after] = (self.entries)(set, line);
-        let first_byte = set * self.set_bytes;
-        let granule_of = |byte: usize| (first_byte + byte as u64) / self.granule;
-        let granules = granule_of(0)..=granule_of(before.len() - 1);
-        let changed: Vec<u64> = granules
-            .clone()
-            .filter(|&granule| {
-                (0..before.len()).any(|byte| granule_of(byte) == granule && before[byte] != after[byte])
-            })
-            .collect();
-        let mut moves = Vec::new();
-        for granule in granules {
-            self.touch(granule, false, &mut moves);
-        }
-        for granule in changed {
-            self.touch(granule, true, &mut moves);
-        }
-        moves
-    }
-
-    fn touch(&mut self, granule: u64, changes: bool, moves: &mut Vec<(u64, Direction)>) {
-        let sets = self.sets.len() as u64;
-        let set = &mut self.sets[(granule % sets) as usize];
-        let mut changed = changes;
-        match set.iter().position(|&(other, _)| other == granule) {
-            Some(place) => changed |= set.remove(place).1,
-            None => {
-                moves.push((granule, Direction::Read));
-                if set.len() == CHIP_CACHE_WAYS {
-                    let (oldest, dirty) = set.remove(0);
-                    if dirty {
-                        moves.push((oldest, Direction::Write));
-                    }
-                }
-            }
-        }
-        set.push((granule, changed));
-    }
 }
 
 /// The memory chips, clock by clock.

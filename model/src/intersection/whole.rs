@@ -1,5 +1,5 @@
-//! Exact volumes of a ray and a triangle in whole numbers of 128 bits: for coordinates of a scene,
-//! which are seldom more than 40 bits apart, a hundred times as fast as expansions.
+//! Exact volumes of a ray and a triangle in whole numbers of 128 bits: for coordinates that 40 bits
+//! hold, as those of a scene mostly are, and with less work than expansions.
 
 use super::number::Triple;
 use crate::ray::Ray;
