@@ -13,7 +13,7 @@ mod wheel;
 
 pub use report::{CacheReport, Observer, Report, Stall, Traffic, UnitReport};
 
-use crate::chip_config::{ChipConfig, ConfigError, Version};
+use crate::chip_config::{ChipConfig, ConfigError, MAX_COUNT, Version};
 use crate::memory::Port;
 use crate::pci::Pci;
 use crate::program::{Operation, Programs};
@@ -58,6 +58,21 @@ pub fn simulate_observed(
 /// No thread, in a list of threads.
 const NONE: u32 = u32::MAX;
 
+/// Thread `t` of pipeline `p` has the number `THREADS · p + t`: so numbers split by bits.
+const THREADS: u32 = MAX_COUNT.next_power_of_two();
+
+/// The pipeline of a thread's number, and the thread in it.
+#[inline]
+fn split(number: u32) -> (u32, u32) {
+    (number / THREADS, number % THREADS)
+}
+
+/// The place of a pipeline's unit among all units.
+#[inline]
+fn unit_of(pipeline: u32, port: Port) -> usize {
+    4 * pipeline as usize + port as usize
+}
+
 /// What an event means for a thread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
@@ -68,9 +83,12 @@ enum Stage {
 }
 
 struct Thread<'a> {
-    /// What is still to do, the operation at hand first.
+    /// What is still to do after the operation at hand.
     program: &'a [Operation],
-    /// The first-level line that it waits for, and the last one of the operation.
+    /// Of the operation at hand, the unit, its rays, and the first-level line that the thread waits
+    /// for, and the last one.
+    port: Port,
+    rays: u8,
     line: u32,
     last_line: u32,
     stage: Stage,
@@ -128,12 +146,14 @@ struct Chip<'a, O> {
     /// The free threads of each pipeline.
     free: Vec<u64>,
     working: u32,
-    /// Thread `t` of pipeline `p` is at `p · threads + t`, unit `u` at `4 p + u`.
+    /// By their number ([`THREADS`]).
     threads: Vec<Thread<'a>>,
+    /// By their place ([`unit_of`]).
     units: Vec<Unit>,
-    /// Pipelines whose unit takes rays in this cycle, by unit, and the units that have any.
-    attend: [u64; 4],
-    attended: u64,
+    /// For each unit, the cycles in which so many rays go in.
+    cycles: [Box<[u32; 256]>; 4],
+    /// Units that are free in this cycle and may have a thread to take; some more than once.
+    attended: Vec<u32>,
     wheel: Wheel,
     l1: [L1; 4],
     /// The first-level caches that threads ask, and those with parts of missed lines.
@@ -161,8 +181,11 @@ struct Chip<'a, O> {
 impl<'a, O: Observer> Chip<'a, O> {
     fn new(programs: &'a Programs, config: &'a ChipConfig, observer: &'a mut O) -> Self {
         let (pipelines, threads) = (config.pipelines as usize, config.threads as usize);
+        let numbers = pipelines * THREADS as usize;
         let thread = || Thread {
             program: &[],
+            port: Port::Shading,
+            rays: 0,
             line: 0,
             last_line: 0,
             stage: Stage::Reading,
@@ -179,11 +202,13 @@ impl<'a, O: Observer> Chip<'a, O> {
             last_pipeline: NOBODY,
             free: vec![all(threads); pipelines],
             working: 0,
-            threads: std::iter::repeat_with(thread).take(pipelines * threads).collect(),
+            threads: std::iter::repeat_with(thread).take(numbers).collect(),
             units: std::iter::repeat_with(Unit::new).take(4 * pipelines).collect(),
-            attend: [0; 4],
-            attended: 0,
-            wheel: Wheel::new(pipelines * (threads + 4)),
+            cycles: config.units.map(|unit| {
+                Box::new(std::array::from_fn(|rays| (rays as u32).div_ceil(unit.rays_a_cycle).max(1)))
+            }),
+            attended: Vec::new(),
+            wheel: Wheel::new(numbers + 4 * pipelines),
             l1: Port::ALL.map(|port| L1::new(port, programs, config)),
             asked: 0,
             missed: 0,
@@ -210,7 +235,7 @@ impl<'a, O: Observer> Chip<'a, O> {
                 continue;
             }
             let cache = port as usize;
-            let (first, last) = self.l1_lines(addr, bytes, cache);
+            let (first, last) = self.l1[cache].lines_of(addr, bytes);
             for line in first..=last {
                 if let Outcome::Miss { .. } = self.l1[cache].directory.access(LineAddr(line)) {
                     for (addr, _) in self.parts(cache, line) {
@@ -222,20 +247,11 @@ impl<'a, O: Observer> Chip<'a, O> {
         }
     }
 
-    /// The first and the last first-level line of the bytes that an operation reads.
-    #[inline]
-    fn l1_lines(&self, addr: HostAddr, bytes: u16, cache: usize) -> (u32, u32) {
-        let line = u64::from(self.config.l1[cache].line);
-        let first = u64::from(addr.0.saturating_sub(self.l1[cache].base));
-        ((first / line) as u32, ((first + u64::from(bytes) - 1) / line) as u32)
-    }
-
     /// Address and size of the parts of a first-level line: one for each line of the virtual memory
     /// that it meets, and one in all without (CH-12).
     fn parts(&self, cache: usize, line: u32) -> impl Iterator<Item = (u32, u32)> + use<O> {
-        let bytes = u64::from(self.config.l1[cache].line);
-        let mut addr = u64::from(self.l1[cache].base) + u64::from(line) * bytes;
-        let end = (addr + bytes).min(1 << 32);
+        let (mut addr, end) = self.l1[cache].bytes_of(line);
+        let end = end.min(1 << 32);
         let vm_line = match self.config.version {
             Version::None => 1 << 32,
             Version::A | Version::B => self.config.cache.geometry.line().0,
@@ -308,9 +324,9 @@ impl<'a, O: Observer> Chip<'a, O> {
             match (number as usize).checked_sub(self.threads.len()) {
                 Some(unit) => {
                     self.units[unit].called = false;
-                    self.attend(unit % 4, (unit / 4) as u32);
+                    self.attended.push(unit as u32);
                 }
-                None if self.threads[number as usize].stage == Stage::Working => self.end(number),
+                None if self.threads[number as usize].stage == Stage::Working => self.begin(number),
                 None => self.answer(number),
             }
             number = next;
@@ -393,7 +409,7 @@ impl<'a, O: Observer> Chip<'a, O> {
         let pipeline = round_robin(self.with_free, self.last_pipeline);
         self.last_pipeline = pipeline;
         let free = &mut self.free[pipeline as usize];
-        let thread = pipeline * self.config.threads + free.trailing_zeros();
+        let thread = pipeline * THREADS + free.trailing_zeros();
         *free &= *free - 1;
         if *free == 0 {
             self.with_free &= !(1 << pipeline);
@@ -405,41 +421,33 @@ impl<'a, O: Observer> Chip<'a, O> {
 
     /// Phase 6: units that are free take the next packet that is ready (CH-6).
     fn start_units(&mut self) {
-        for port in members(std::mem::take(&mut self.attended)) {
-            for pipeline in members(std::mem::take(&mut self.attend[port])) {
-                let place = 4 * pipeline + port;
-                let unit = &mut self.units[place];
-                unit.settle(self.now);
-                unit.last = round_robin(unit.ready, unit.last);
-                unit.ready &= !(1 << unit.last);
-                let number = pipeline as u32 * self.config.threads + unit.last;
-                let thread = &mut self.threads[number as usize];
-                let rays = u32::from(thread.program[0].rays);
-                let config = self.config.units[port];
-                unit.free = self.now + u64::from(rays.div_ceil(config.rays_a_cycle).max(1));
-                unit.report.operations += 1;
-                unit.report.rays += u64::from(rays);
-                thread.stage = Stage::Working;
-                if unit.ready != 0 {
-                    unit.called = true;
-                    self.wheel.insert(unit.free, (self.threads.len() + place) as u32);
-                }
-                self.wheel.insert(unit.free + u64::from(config.latency), number);
+        for place in self.attended.drain(..) {
+            let (port, pipeline) = (place as usize % 4, place / 4);
+            let unit = &mut self.units[place as usize];
+            if unit.free > self.now {
+                continue;
             }
+            let number = pipeline * THREADS + unit.next_in_turn();
+            let thread = &mut self.threads[number as usize];
+            thread.stage = Stage::Working;
+            unit.take(thread.rays, self.cycles[port][usize::from(thread.rays)], self.now);
+            if unit.ready != 0 {
+                unit.called = true;
+                self.wheel.insert(unit.free, self.threads.len() as u32 + place);
+            }
+            self.wheel.insert(unit.free + u64::from(self.config.units[port].latency), number);
         }
     }
 
     /// Phase 7: the ports of the first-level caches (CH-8).
     fn look_up_lines(&mut self) {
         for cache in members(self.asked) {
-            for _ in 0..self.config.l1[cache].ports {
-                let l1 = &mut self.l1[cache];
-                if !l1.is_asked() {
-                    break;
-                }
-                let (pipeline, thread) = l1.next_in_turn();
-                self.look_up(cache, pipeline * self.config.threads + thread);
+            let mut ports = self.config.l1[cache].ports;
+            while ports > 0 && self.l1[cache].is_asked() {
+                let (pipeline, thread) = self.l1[cache].next_in_turn();
+                self.look_up(cache, pipeline * THREADS + thread);
                 self.ask_again(cache);
+                ports -= 1;
             }
             if !self.l1[cache].is_asked() {
                 self.asked &= !(1 << cache);
@@ -451,7 +459,8 @@ impl<'a, O: Observer> Chip<'a, O> {
     #[inline]
     fn ask_again(&mut self, cache: usize) {
         let l1 = &mut self.l1[cache];
-        if !l1.is_full()
+        if !l1.parked.is_empty()
+            && !l1.is_full()
             && let Some(thread) = l1.parked.pop_front()
         {
             self.ask(thread);
@@ -585,37 +594,35 @@ impl<'a, O: Observer> Chip<'a, O> {
         }
     }
 
-    /// Begins the operation at hand, or ends the packet.
+    /// Begins the next operation, or ends the packet.
     fn begin(&mut self, number: u32) {
-        let program = self.threads[number as usize].program;
-        let Some(&Operation { addr, bytes, port, .. }) = program.first() else {
-            let (pipeline, thread) = (number / self.config.threads, number % self.config.threads);
-            self.free[pipeline as usize] |= 1 << thread;
+        let (pipeline, bit) = split(number);
+        let thread = &mut self.threads[number as usize];
+        let Some((&Operation { addr, bytes, port, rays }, rest)) = thread.program.split_first() else {
+            self.free[pipeline as usize] |= 1 << bit;
             self.with_free |= 1 << pipeline;
             self.working -= 1;
             return;
         };
+        (thread.program, thread.port, thread.rays) = (rest, port, rays);
         if bytes == 0 {
             self.ready(number);
             return;
         }
-        let (first, last) = self.l1_lines(addr, bytes, port as usize);
-        let thread = &mut self.threads[number as usize];
-        (thread.line, thread.last_line) = (first, last);
-        self.wait_anew(number, Stall::Port);
-        self.enter_queue(number);
+        let l1 = &mut self.l1[port as usize];
+        (thread.line, thread.last_line) = l1.lines_of(addr, bytes);
+        (thread.stage, thread.stall) = (Stage::Reading, Stall::Port);
+        self.units[unit_of(pipeline, port)].wait(Stall::Port, self.now);
+        l1.ask(pipeline, bit);
+        self.asked |= 1 << port as u32;
     }
 
     /// A thread that waited asks for its line again.
     fn ask(&mut self, number: u32) {
         self.wait(number, Stall::Port);
-        self.enter_queue(number);
-    }
-
-    fn enter_queue(&mut self, number: u32) {
-        let (pipeline, thread) = (number / self.config.threads, number % self.config.threads);
-        let cache = self.threads[number as usize].program[0].port as usize;
-        self.l1[cache].ask(pipeline, thread);
+        let (pipeline, bit) = split(number);
+        let cache = self.threads[number as usize].port as usize;
+        self.l1[cache].ask(pipeline, bit);
         self.asked |= 1 << cache;
     }
 
@@ -628,70 +635,30 @@ impl<'a, O: Observer> Chip<'a, O> {
             self.ask(number);
             return;
         }
-        let rays = thread.program[0].rays;
-        self.go_on(number);
-        if rays == 0 { self.end(number) } else { self.ready(number) }
-    }
-
-    /// The operation at hand is done.
-    #[inline]
-    fn end(&mut self, number: u32) {
-        let thread = &mut self.threads[number as usize];
-        thread.program = &thread.program[1..];
-        self.begin(number);
+        self.units[unit_of(split(number).0, thread.port)].go_on(thread.stall, self.now);
+        if thread.rays == 0 { self.begin(number) } else { self.ready(number) }
     }
 
     /// A thread has all that its unit needs.
     #[inline]
     fn ready(&mut self, number: u32) {
-        let port = self.threads[number as usize].program[0].port as usize;
-        let pipeline = number / self.config.threads;
-        let place = 4 * pipeline as usize + port;
+        let (pipeline, bit) = split(number);
+        let place = unit_of(pipeline, self.threads[number as usize].port);
         let unit = &mut self.units[place];
-        unit.ready |= 1 << (number % self.config.threads);
+        unit.ready |= 1 << bit;
         if unit.free <= self.now {
-            self.attend(port, pipeline);
+            self.attended.push(place as u32);
         } else if !std::mem::replace(&mut unit.called, true) {
             self.wheel.insert(unit.free, (self.threads.len() + place) as u32);
         }
     }
 
-    /// A unit is free in this cycle, and has a thread to take.
-    #[inline]
-    fn attend(&mut self, port: usize, pipeline: u32) {
-        self.attend[port] |= 1 << pipeline;
-        self.attended |= 1 << port;
-    }
-
-    fn unit(&mut self, number: u32) -> &mut Unit {
-        let port = self.threads[number as usize].program[0].port as usize;
-        let pipeline = (number / self.config.threads) as usize;
-        &mut self.units[4 * pipeline + port]
-    }
-
     /// A thread that waited now waits because of `stall`.
     #[inline]
     fn wait(&mut self, number: u32, stall: Stall) {
-        let now = self.now;
         let thread = &mut self.threads[number as usize];
         let before = std::mem::replace(&mut thread.stall, stall);
-        self.unit(number).wait_on(before, stall, now);
-    }
-
-    #[inline]
-    fn wait_anew(&mut self, number: u32, stall: Stall) {
-        let now = self.now;
-        self.unit(number).wait(stall, now);
-        let thread = &mut self.threads[number as usize];
-        thread.stall = stall;
-        thread.stage = Stage::Reading;
-    }
-
-    /// A thread waits no more.
-    #[inline]
-    fn go_on(&mut self, number: u32) {
-        let (now, stall) = (self.now, self.threads[number as usize].stall);
-        self.unit(number).go_on(stall, now);
+        self.units[unit_of(split(number).0, thread.port)].wait_on(before, stall, self.now);
     }
 }
 

@@ -4,13 +4,15 @@ use super::{CacheReport, NOBODY, NONE, members, round_robin};
 use crate::chip_config::{CHIP_CACHE_WAYS, ChipConfig};
 use crate::memory::Port;
 use crate::program::Programs;
+use crate::units::HostAddr;
 use crate::vm::Directory;
 use std::collections::VecDeque;
 
 /// Threads are masks, one a pipeline.
 pub(super) struct L1 {
-    /// Address of its first line.
-    pub(super) base: u32,
+    /// Address of its first line, and bytes a line.
+    base: u32,
+    line: u32,
     pub(super) directory: Directory<CHIP_CACHE_WAYS>,
     /// Pipelines with a thread that asks for a look-up, and the one served last.
     asking: u64,
@@ -67,6 +69,7 @@ impl L1 {
         let l1 = config.l1[port as usize];
         Self {
             base: if port == Port::Triangle { programs.triangles.0 } else { 0 },
+            line: l1.line,
             directory: Directory::new(ChipConfig::chip_cache(l1.sets)),
             asking: 0,
             last: NOBODY,
@@ -79,6 +82,23 @@ impl L1 {
             parts: VecDeque::new(),
             report: CacheReport::default(),
         }
+    }
+
+    /// The first and the last line of the `bytes > 0` at `addr`.
+    #[inline]
+    pub(super) fn lines_of(&self, addr: HostAddr, bytes: u16) -> (u32, u32) {
+        let from_base = addr.0.saturating_sub(self.base);
+        let (first, offset) = (from_base / self.line, from_base % self.line);
+        let last_offset = offset + (u32::from(bytes) - 1);
+        // A division takes as long as all else here, and few reads leave their line.
+        let further = if last_offset < self.line { 0 } else { last_offset / self.line };
+        (first, first + further)
+    }
+
+    /// First address of a line, and the one behind it.
+    pub(super) fn bytes_of(&self, line: u32) -> (u64, u64) {
+        let begin = u64::from(self.base) + u64::from(line) * u64::from(self.line);
+        (begin, begin + u64::from(self.line))
     }
 
     /// A thread asks for a look-up.
