@@ -69,25 +69,24 @@ pub fn record(world: &World, frame: usize, options: &TraceOptions, order: Packet
     }
 }
 
-/// Traces a frame and the `warm_up` frames before it, as far as the path has them: what these do,
-/// and the frame. `report` is told the part that is done.
+/// Traces the `warm_up` frames before a frame, as far as the path has them: what they do. `report` is
+/// told the part that is done.
 #[must_use]
-pub fn record_warm(
+pub fn record_before(
     world: &World,
     frame: usize,
     warm_up: usize,
     options: &TraceOptions,
     order: PacketOrder,
     report: &(dyn Fn(f64) + Sync),
-) -> (Vec<Programs>, Recording) {
+) -> Vec<Programs> {
     let first = frame - warm_up.min(frame);
-    let frames = (frame - first + 1) as f64;
-    let before = (first..frame).map(|before| {
-        report((before - first) as f64 / frames);
-        record(world, before, options, order).programs
-    });
-    let before = before.collect();
-    (before, record(world, frame, options, order))
+    (first..frame)
+        .map(|before| {
+            report((before - first) as f64 / (frame - first) as f64);
+            record(world, before, options, order).programs
+        })
+        .collect()
 }
 
 fn record_packets<const N: usize>(

@@ -1,6 +1,7 @@
 //! A scene made ready for the chip: loaded or generated, its kd-tree built, laid out in host
 //! memory.
 
+use crate::kept_trees::KeptTrees;
 use crate::names::nearest;
 use crate::progress::Progress;
 use anyhow::{Context, Result, bail};
@@ -31,6 +32,8 @@ pub struct WorldOptions {
     /// The last frame that will be asked for: a path without it is refused before the kd-tree is
     /// built.
     pub last_frame: Option<usize>,
+    /// Where kd-trees are kept from run to run, if they are.
+    pub kept_trees: Option<KeptTrees>,
 }
 
 impl WorldOptions {
@@ -46,6 +49,7 @@ impl WorldOptions {
             tree: BuildOptions::default(),
             kernel: Kernel::default(),
             last_frame: None,
+            kept_trees: None,
         }
     }
 }
@@ -67,7 +71,7 @@ pub struct World {
     pub image: HostImage,
     /// Facts about the kd-tree.
     pub tree: TreeFacts,
-    /// Seconds that it took to load or generate the scene, to build its tree, to lay it out.
+    /// Seconds that it took to load or generate the scene, to build or find its tree, to lay it out.
     pub seconds: [f64; 3],
 }
 
@@ -131,7 +135,11 @@ impl World {
         }
         let started = Instant::now();
         let tree = progress.during(&format!("{}: kd-tree", options.scene), |report| {
-            kdbuild::build(&scene.triangles, &options.tree, report)
+            let build = || kdbuild::build(&scene.triangles, &options.tree, report);
+            match &options.kept_trees {
+                Some(kept) => kept.tree(&scene.triangles, &options.tree, build),
+                None => build(),
+            }
         });
         let built = started.elapsed().as_secs_f64();
         let started = Instant::now();

@@ -2,7 +2,7 @@
 //! ours beside the paper's.
 
 use crate::progress::Progress;
-use crate::simulate::{PacketOrder, Row, record_warm};
+use crate::simulate::{PacketOrder, Row, record, record_before};
 use crate::standard;
 use crate::table::{Column, Table};
 use crate::walk::TraceOptions;
@@ -98,8 +98,10 @@ pub fn hot_spots(
     for (place, paper) in paper::table2().iter().filter(|row| row.scene == stand.of).enumerate() {
         let frame = frame_number(paper, world.path.len());
         let what = format!("{} for {}, {}", stand.scene, stand.of, paper.frame);
-        let (before, recording) = progress.during(&format!("{what}: trace"), |report| {
-            record_warm(world, frame, WARM_UP, trace, PacketOrder::default(), report)
+        let order = PacketOrder::default();
+        let (before, recording) = progress.during(&format!("{what}: trace"), |_| {
+            let before = record_before(world, frame, WARM_UP, trace, order, &|_| ());
+            (before, record(world, frame, trace, order))
         });
         let rays = recording.picture.rays.total();
         let chip = |version| standard::chip(stand.of, version);

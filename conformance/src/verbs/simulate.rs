@@ -5,7 +5,7 @@ use crate::args::{CacheArgs, ChipArgs, SceneArgs, TraceArgs, describe};
 use crate::limits::check_state;
 use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
-use crate::simulate::{Recording, Row, record_warm};
+use crate::simulate::{Recording, Row, record, record_before};
 use crate::summary::Summary;
 use crate::table::{Column, Table, mb};
 use crate::world::World;
@@ -57,10 +57,11 @@ impl FrameArgs {
 
     /// What the frames before do that warm the caches, and the frame.
     pub fn record(&self, world: &World, progress: &Progress) -> (Vec<Programs>, Recording) {
-        let options = self.trace.options();
-        progress.during("trace", |report| {
-            record_warm(world, self.frame, self.warm_up, &options, self.chip.order, report)
-        })
+        let (options, order) = (self.trace.options(), self.chip.order);
+        let before = progress.during("trace of the frames before", |report| {
+            record_before(world, self.frame, self.warm_up, &options, order, report)
+        });
+        (before, progress.during("trace", |_| record(world, self.frame, &options, order)))
     }
 }
 

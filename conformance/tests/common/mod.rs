@@ -2,13 +2,14 @@
 
 #![allow(dead_code, reason = "each test file takes what it needs")]
 
+use saarcor_conformance::kept_trees::FOLDER;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// The binary, told to be quiet.
+/// The binary, told to be quiet and to keep no kd-trees.
 pub fn saarcor(args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_saarcor"));
-    command.args(args).arg("--quiet").stdin(Stdio::null());
+    command.args(args).arg("--quiet").env(FOLDER, "").stdin(Stdio::null());
     command
 }
 
