@@ -5,10 +5,12 @@
 //! and the parts of a grid that several machines worked on can be merged.
 
 use crate::simulate::Row;
+use crate::world::World;
 use anyhow::{Context, Result, bail, ensure};
 use rayon::prelude::*;
 use saarcor_model::chip::simulate;
 use saarcor_model::chip_config::{ChipConfig, Version};
+use saarcor_model::image::HostImage;
 use saarcor_model::program::Programs;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -16,6 +18,7 @@ use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use xxhash_rust::xxh3::{xxh3_64, xxh3_128};
 
 /// What is varied, and the values that it takes: `line` or `line=64,128`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -95,14 +98,13 @@ impl Shard {
     }
 }
 
-/// What tells the results of a sweep from those of another: a checksum of all that they depend on.
+/// What tells the results of a sweep from those of another: a checksum of all that they depend on, the
+/// scene's bytes and path as well as how it is simulated.
 #[must_use]
-pub fn identity(of: &impl std::fmt::Debug) -> String {
-    // FNV-1a.
-    let hash = format!("{of:?}").bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    });
-    format!("{hash:016x}")
+pub fn identity(world: &World, scene: &str, how: &impl std::fmt::Debug) -> String {
+    let HostImage { bytes, registers, .. } = &world.image;
+    let all = format!("{scene:?} {how:?} {registers:?} {:?} {:032x}", world.path, xxh3_128(bytes));
+    format!("{:016x}", xxh3_64(all.as_bytes()))
 }
 
 /// Where a result stands in its sweep: the fields with which each line begins.

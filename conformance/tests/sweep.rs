@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{refusal_of, room_arg, saarcor, stdout_of};
+use common::{RoomCopy, refusal_of, room_arg, saarcor, stdout_of};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -148,6 +148,22 @@ fn results_of_another_sweep_are_refused() {
     assert_eq!(fs::read(&file).expect("results"), before, "nothing is lost");
     fs::write(&file, "{}\n").expect("written");
     refused(&["--over", "ways=1,2", "-o", text(&file)], &["line 1", "no result"]);
+}
+
+#[test]
+fn a_changed_scene_is_another_sweep() {
+    let copy = RoomCopy::new();
+    let (scene, file) = (copy.scene(), copy.file("results.jsonl"));
+    let args =
+        ["sweep", &scene, "--frame", "1", "--resolution", "8x8", "--over", "ways=1", "-o", text(&file)];
+    let before = stdout_of(&args);
+    assert_eq!(stdout_of(&args), before);
+    copy.replace("room.obj", "v -2 0 -3", "v -2.5 0 -3");
+    assert!(refusal_of(&args).contains("another sweep"));
+    fs::remove_file(&file).expect("a file");
+    stdout_of(&args);
+    copy.replace("camera.csv", "1,0,1.25", "1,0.1,1.25");
+    assert!(refusal_of(&args).contains("another sweep"));
 }
 
 #[test]

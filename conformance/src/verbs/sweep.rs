@@ -60,15 +60,15 @@ impl Args {
         } else if shown.svg.is_some() {
             bail!("--svg: {} axes; curves are drawn over one", self.over.len());
         }
-        let sweep =
-            identity(&(&frame.scene, frame.frame, &frame.trace, frame.chip.order, frame.warm_up, &configs));
+        let world = frame.world(progress)?;
+        let how = (frame.frame, &frame.trace, frame.chip.order, frame.warm_up, &configs);
+        let sweep = identity(&world, &frame.scene.scene, &how);
         let position = |point| Position { sweep: sweep.clone(), point, points: all.len() };
         let mine = (0..all.len()).filter(|&point| self.shard.is_none_or(|shard| shard.has(point)));
         let mine: Vec<usize> = mine.collect();
         let expected: Vec<_> = mine.iter().map(|&point| position(point)).collect();
         let mut results = Results::open(self.out.as_deref(), &expected)?;
         if results.lines.len() < mine.len() {
-            let world = frame.world(progress)?;
             let at_a_time = rayon::current_num_threads();
             let caches = configs.iter().map(|config| config.cache);
             check_together(caches, at_a_time, Bytes(world.image.bytes.len() as u64))?;
