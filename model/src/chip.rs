@@ -562,6 +562,7 @@ impl<'a, O: Observer> Chip<'a, O> {
             Traffic::VmFill | Traffic::MetadataWriteBack => Direction::Write,
             _ => Direction::Read,
         };
+        self.observer.request(self.now, card, bytes, direction);
         let span = self.sdram.transfer(self.now, card, bytes, direction);
         let sdram = self.config.sdram;
         let moved = sdram.beats(card, bytes) * u64::from(sdram.beat_bytes);

@@ -1,6 +1,6 @@
 //! What a run of the chip tells: cycles, bytes, and who waited for what.
 
-use crate::sdram::Span;
+use crate::sdram::{Direction, Span};
 
 /// Why a unit that is not busy has nothing to work on while threads of its pipeline want it. The
 /// first that holds for any of them counts (CH-18).
@@ -42,6 +42,9 @@ pub enum Traffic {
 pub trait Observer {
     /// `bytes` move for `traffic` during `span`.
     fn transfer(&mut self, traffic: Traffic, span: Span, bytes: u64);
+
+    /// Of the on-board memory, `bytes` at `card` are asked for in cycle `now`: the transfer follows.
+    fn request(&mut self, _now: u64, _card: u64, _bytes: u64, _direction: Direction) {}
 }
 
 /// Nobody listens.
