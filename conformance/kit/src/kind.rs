@@ -32,6 +32,11 @@ pub trait Kind: Sync {
         Vec::new()
     }
 
+    /// The session with a tolerance of so many thousandths, where the kind has one.
+    fn with_tolerance(&self, session: Session, _tolerance: u32) -> Session {
+        session
+    }
+
     /// Whether the session is one of this kind.
     ///
     /// # Errors

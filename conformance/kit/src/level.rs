@@ -21,15 +21,25 @@ pub enum Level {
     Rays,
     /// The same nodes, list entries and triangles are read, in the same order.
     Traversal,
+    /// The same cycles, or as many within a stated tolerance.
+    Timing,
 }
 
 impl Level {
     /// All levels, the lowest first.
-    pub const ALL: [Self; 7] =
-        [Self::Protocol, Self::Data, Self::Traffic, Self::State, Self::Metadata, Self::Rays, Self::Traversal];
+    pub const ALL: [Self; 8] = [
+        Self::Protocol,
+        Self::Data,
+        Self::Traffic,
+        Self::State,
+        Self::Metadata,
+        Self::Rays,
+        Self::Traversal,
+        Self::Timing,
+    ];
 
     /// The highest.
-    pub const HIGHEST: Self = Self::Traversal;
+    pub const HIGHEST: Self = Self::Timing;
 
     /// The level's name.
     #[must_use]
@@ -42,6 +52,7 @@ impl Level {
             Self::Metadata => "metadata",
             Self::Rays => "rays",
             Self::Traversal => "traversal",
+            Self::Timing => "timing",
         }
     }
 }

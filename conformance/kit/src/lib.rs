@@ -15,6 +15,7 @@
 //! | [`kd`] | `saarcor-kd`: traversal and intersection |
 //! | [`hash`] | `saarcor-hash`: the set of a line |
 //! | [`meta`] | `saarcor-meta`: the tags of version B |
+//! | [`chip`] | `saarcor-chip`: the chip in time |
 //! | [`hex`], [`random`] | numbers as text; the random sequence of a seed |
 //! | [`serve`] | an implementation in Rust, and the protocol around it |
 //! | [`judge`] | the judge of one conversation |
@@ -30,6 +31,7 @@
 pub mod check;
 #[cfg(unix)]
 pub mod child;
+pub mod chip;
 pub mod dut;
 pub mod hash;
 pub mod hex;
@@ -52,7 +54,7 @@ pub mod templates;
 pub mod vm;
 
 /// All kinds, in the order in which an implementation is asked for them.
-pub const KINDS: &[&dyn kind::Kind] = &[&vm::Vm, &hash::SetHash, &meta::Meta, &kd::Kd];
+pub const KINDS: &[&dyn kind::Kind] = &[&vm::Vm, &hash::SetHash, &meta::Meta, &kd::Kd, &chip::Chip];
 
 /// The kind of that name.
 #[must_use]

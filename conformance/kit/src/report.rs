@@ -23,6 +23,8 @@ pub struct Report {
     pub highest: Option<Level>,
     /// The level that was asked for; none: all that is observed.
     pub asked: Option<Level>,
+    /// By how many thousandths a timing may be off, as the implementation's maker states.
+    pub tolerance: u32,
     /// Each level.
     pub levels: Vec<LevelVerdict>,
     /// Each requirement that sessions are about, in the order of the suites; the random ones last.

@@ -40,6 +40,8 @@ pub struct Options {
     pub seed: u64,
     /// Requests of all random sessions together.
     pub requests: usize,
+    /// By how many thousandths a timing may be off.
+    pub tolerance: u32,
 }
 
 impl Options {
@@ -51,7 +53,7 @@ impl Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { level: None, errors: ERRORS, seed: 0, requests: RANDOM_REQUESTS }
+        Self { level: None, errors: ERRORS, seed: 0, requests: RANDOM_REQUESTS, tolerance: 0 }
     }
 }
 
@@ -167,8 +169,9 @@ struct Held {
 /// Where it cannot be started.
 pub fn kind_of(dut: &dyn Dut) -> Result<Option<&'static dyn Kind>> {
     for kind in crate::KINDS {
-        let session = default_suite(*kind, &Options { requests: 0, ..Options::default() })?;
-        let session = session.first().context("a kind has sessions")?.session(*kind);
+        let options = Options { requests: 0, ..Options::default() };
+        let session = default_suite(*kind, &options)?;
+        let session = session.first().context("a kind has sessions")?.session(*kind, &options);
         let mut judge = Judge::new(*kind, &session, Level::Protocol);
         let ending = dut.converse(&session, &mut judge)?;
         let refused = judge.findings().iter().find(|finding| finding.asked == kind.hello());
@@ -209,7 +212,7 @@ pub fn run(
                 if late.load(Ordering::Relaxed) {
                     return Ok(None);
                 }
-                let held = hold(dut, kind, (place, &planned[place]), options.highest())?;
+                let held = hold(dut, kind, (place, &planned[place]), options)?;
                 // What has had no time once would take the time limit again and again.
                 if held.timeout.is_some() {
                     late.store(true, Ordering::Relaxed);
@@ -248,17 +251,23 @@ pub fn run(
 
 impl Planned {
     /// The session, which is made where it is random.
-    fn session(&self, kind: &dyn Kind) -> Session {
-        match self {
+    fn session(&self, kind: &dyn Kind, options: &Options) -> Session {
+        let session = match self {
             Self::Directed(session) => (**session).clone(),
             Self::Random { seed, requests } => kind.random(*seed, *requests),
-        }
+        };
+        if options.tolerance == 0 { session } else { kind.with_tolerance(session, options.tolerance) }
     }
 }
 
-fn hold(dut: &dyn Dut, kind: &dyn Kind, (place, planned): (usize, &Planned), level: Level) -> Result<Held> {
-    let session = planned.session(kind);
-    let mut judge = Judge::new(kind, &session, level);
+fn hold(
+    dut: &dyn Dut,
+    kind: &dyn Kind,
+    (place, planned): (usize, &Planned),
+    options: &Options,
+) -> Result<Held> {
+    let session = planned.session(kind, options);
+    let mut judge = Judge::new(kind, &session, options.highest());
     let began = Instant::now();
     let Ending { timeout, stderr } = dut.converse(&session, &mut judge)?;
     let random = matches!(planned, Planned::Random { .. });
@@ -299,7 +308,7 @@ fn failures(
     }
     chosen.truncate(SHOWN_FAILURES);
     let of = |&(place, finding): &(usize, &Finding)| {
-        let session = planned[held[place].place].session(kind);
+        let session = planned[held[place].place].session(kind, options);
         failure(dut, kind, &session, finding, &held[place], options)
     };
     chosen.par_iter().map(of).collect()
@@ -400,6 +409,7 @@ impl Summary<'_> {
             verdict,
             highest,
             asked: self.options.level,
+            tolerance: self.options.tolerance,
             levels,
             requirements: self.requirements(),
             failures,
@@ -470,7 +480,7 @@ impl Summary<'_> {
         let mut coverage = self.kind.coverage();
         for held in self.held {
             if held.findings.is_empty() && held.unsupported.is_none() && held.timeout.is_none() {
-                coverage.add(&self.planned[held.place].session(self.kind));
+                coverage.add(&self.planned[held.place].session(self.kind, self.options));
             }
         }
         coverage.rows()

@@ -1,6 +1,8 @@
 //! What a person names as the implementation under test: a folder with `dut.toml`, a command line, or
 //! one of the oracles.
 
+use crate::chip::Chip;
+use crate::chip::config::MAX_TOLERANCE;
 use crate::dut::{Dut, InProcess};
 use crate::kind::{Kind, Oracle};
 use crate::kind_named;
@@ -42,6 +44,9 @@ pub struct DutFile {
     pub time_limit: f64,
     /// Requests of the random part, for an implementation that is too slow for the usual number.
     pub requests: Option<usize>,
+    /// By how many thousandths its timing may be off.
+    #[serde(default)]
+    pub tolerance: u32,
 }
 
 fn default_time_limit() -> f64 {
@@ -65,6 +70,12 @@ impl DutFile {
             (None, None) => bail!("command is missing: the command line that starts the implementation"),
             (_, Some(_)) if file.kind != Vm.name() => bail!("library: there is one for {} only", Vm.name()),
             _ => {}
+        }
+        match file.tolerance {
+            0 => {}
+            _ if file.kind != Chip.name() => bail!("tolerance: there is one for {} only", Chip.name()),
+            1..=MAX_TOLERANCE => {}
+            more => bail!("tolerance = {more}: at most {MAX_TOLERANCE} thousandths"),
         }
         if !(file.time_limit > 0.0 && file.time_limit <= MAX_TIME_LIMIT) {
             bail!("time_limit = {}: it is a number of seconds from 0 to {MAX_TIME_LIMIT}", file.time_limit);
@@ -109,6 +120,8 @@ pub struct Target {
     pub missing: Vec<String>,
     /// Requests of the random part, where it asks for a number.
     pub requests: Option<usize>,
+    /// By how many thousandths its timing may be off.
+    pub tolerance: u32,
     /// The implementation.
     pub dut: Box<dyn Dut>,
     /// The same, with little time: to be asked for its kind.
@@ -131,6 +144,7 @@ impl Target {
             kind: None,
             missing: Vec::new(),
             requests: None,
+            tolerance: 0,
             dut,
             probe,
             build: None,
@@ -170,6 +184,7 @@ impl Target {
             kind: kind_named(&file.kind),
             missing: file.needs.into_iter().filter(|program| !is_there(program)).collect(),
             requests: file.requests,
+            tolerance: file.tolerance,
             dut: process(command.clone(), Some(folder.to_owned()), limit)?,
             probe: process(command, Some(folder.to_owned()), limit.min(PROBE_LIMIT))?,
             build: file.build.map(|build| (build, folder.to_owned())),
@@ -262,6 +277,8 @@ mod tests {
             ("command", "#", "command"),
             ("command = ", "kind = 'saarcor-hash'\nlibrary = ", "duplicate"),
             ("command = \"./cache\"", "", "command is missing"),
+            ("command =", "tolerance = 5\ncommand =", "saarcor-chip only"),
+            ("-vm\"\n", "-chip\"\ntolerance = 101\n", "at most 100"),
         ] {
             let error = DutFile::parse(&whole.replace(from, to)).expect_err("wrong").to_string();
             assert!(error.contains(says), "{from} -> {to}: {error}");

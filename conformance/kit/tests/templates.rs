@@ -1,6 +1,7 @@
 //! The templates conform at every level of their kind.
 #![cfg(unix)]
 
+use saarcor_kit::chip::Chip;
 use saarcor_kit::dut::{Dut, InProcess};
 use saarcor_kit::hash::SetHash;
 use saarcor_kit::kd::Kd;
@@ -111,6 +112,25 @@ fn meta_conforms_in_some_sessions() {
     let planned: Vec<_> = default_suite(&Meta, &options).expect("suites").into_iter().step_by(3).collect();
     let report = conforms_to(&Meta, &*target.dut, &planned);
     assert_eq!(report.highest, Some(Level::Metadata));
+}
+
+/// One session in ten: starting Python takes most of the time.
+#[test]
+fn chip_python_conforms_in_some_sessions() {
+    let (_folder, target) = template("chip-python");
+    let planned = default_suite(&Chip, &Options { requests: 1200, ..Options::default() }).expect("suites");
+    let planned: Vec<_> = planned.into_iter().step_by(10).collect();
+    assert_eq!(conforms_to(&Chip, &*target.dut, &planned).highest, Some(Level::Timing));
+}
+
+#[test]
+#[ignore = "starts Python 350 times"]
+fn chip_python_conforms_whatever_the_seed() {
+    let (_folder, target) = template("chip-python");
+    let planned = default_suite(&Chip, &Options { requests: 2400, ..Options::default() }).expect("suites");
+    let report = conforms_to(&Chip, &*target.dut, &planned);
+    assert_eq!(report.unsupported.iter().map(|row| row.key.as_str()).collect::<Vec<_>>(), ["policy"]);
+    conforms_to(&Chip, &*target.dut, &seeds(200, 60));
 }
 
 /// One session in ten: starting Python takes most of the time.

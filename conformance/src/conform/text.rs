@@ -43,6 +43,9 @@ pub fn notes(report: &Report) -> Vec<String> {
             report.random_requests
         ));
     }
+    if report.tolerance > 0 {
+        notes.push(format!("timing is judged within {} thousandths", report.tolerance));
+    }
     for row in &report.unsupported {
         notes.push(format!("not supported: {} ({} sessions)", row.key, row.sessions));
     }

@@ -196,6 +196,7 @@ impl RunArgs {
             errors: self.errors as usize,
             seed: self.seed,
             requests: self.random_requests(target.requests),
+            tolerance: target.tolerance,
         };
         let mut planned = Vec::new();
         for (of, sessions) in named {

@@ -1,0 +1,259 @@
+//! The configuration of `saarcor-chip`: the numbers of the chip by short names, each left out where
+//! it is the standard chip's.
+
+use crate::vm::config::{self, Choices, name_of, named};
+use saarcor_model::chip_config::{CHIP_CACHE_WAYS, ChipConfig, Version};
+use saarcor_model::units::HostAddr;
+
+/// The standard chip (CH-2, CH-3, CH-17, SD-1 to SD-5, PC-1): every key, in order.
+pub const STANDARD: &str = "pipelines=4 threads=16 \
+    s-rate=1 s-latency=16 s-line=64 s-sets=256 s-ports=1 s-look-up=2 s-mshrs=16 \
+    n-rate=4 n-latency=8 n-line=8 n-sets=2048 n-ports=1 n-look-up=2 n-mshrs=16 \
+    l-rate=64 l-latency=2 l-line=4 l-sets=4096 l-ports=1 l-look-up=2 l-mshrs=16 \
+    t-rate=1 t-latency=16 t-line=36 t-sets=1024 t-ports=1 t-look-up=2 t-mshrs=16 \
+    tag=4 return=4 version=a line=128 lines=65536 ways=4 hash=add-upper policy=lru granule=16 meta-sets=1024 \
+    clock=4 beat=16 banks=4 row=4096 cl=3 rcd=3 rp=3 rc=9 wr=2 refresh=2083 rfc=9 \
+    pci-setup=38 pci-beat=4 pci-clock=16 triangles=0 tolerance=0";
+
+/// Versions by their names.
+const VERSIONS: Choices<Version> = &[("none", Version::None), ("a", Version::A), ("b", Version::B)];
+
+/// Units by their letters, in the order of the model's ports.
+pub const UNITS: [&str; 4] = ["s", "n", "l", "t"];
+
+/// Largest number but an address (Assumed), so that a session has an end.
+const MAX_NUMBER: u32 = 1 << 16;
+
+/// Greatest tolerance in thousandths (Assumed): a timing that is off by more is none.
+pub const MAX_TOLERANCE: u32 = 100;
+
+/// What a session is about.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// The chip.
+    pub chip: ChipConfig,
+    /// Sets of the metadata cache.
+    meta_sets: u32,
+    /// Where the lines of the triangle cache begin (L1-1).
+    pub triangles: HostAddr,
+    /// By how many thousandths counts may differ.
+    pub tolerance: u32,
+}
+
+impl Setting {
+    /// Whether what moves does not depend on when it does: a thread alone does one thing after the other.
+    #[must_use]
+    pub fn is_sequential(&self) -> bool {
+        self.chip.pipelines * self.chip.threads == 1
+    }
+
+    /// The number of a key.
+    fn number(&mut self, key: &str) -> Option<&mut u32> {
+        let chip = &mut self.chip;
+        if let Some((unit, key)) = key.split_once('-')
+            && let Some(place) = UNITS.iter().position(|letter| *letter == unit)
+        {
+            let (unit, l1) = (&mut chip.units[place], &mut chip.l1[place]);
+            return Some(match key {
+                "rate" => &mut unit.rays_a_cycle,
+                "latency" => &mut unit.latency,
+                "line" => &mut l1.line,
+                "sets" => &mut l1.sets,
+                "ports" => &mut l1.ports,
+                "look-up" => &mut l1.latency,
+                "mshrs" => &mut l1.mshrs,
+                _ => return None,
+            });
+        }
+        Some(match key {
+            "pipelines" => &mut chip.pipelines,
+            "threads" => &mut chip.threads,
+            "tag" => &mut chip.tag_latency,
+            "return" => &mut chip.return_latency,
+            "granule" => &mut chip.metadata_cache.granule,
+            "meta-sets" => &mut self.meta_sets,
+            "clock" => &mut chip.sdram.cycles_a_clock,
+            "beat" => &mut chip.sdram.beat_bytes,
+            "banks" => &mut chip.sdram.banks,
+            "row" => &mut chip.sdram.row_bytes,
+            "cl" => &mut chip.sdram.cas,
+            "rcd" => &mut chip.sdram.ras_to_cas,
+            "rp" => &mut chip.sdram.precharge,
+            "rc" => &mut chip.sdram.row_cycle,
+            "wr" => &mut chip.sdram.write_recovery,
+            "refresh" => &mut chip.sdram.refresh_interval,
+            "rfc" => &mut chip.sdram.refresh,
+            "pci-setup" => &mut chip.pci.setup,
+            "pci-beat" => &mut chip.pci.beat_bytes,
+            "pci-clock" => &mut chip.pci.cycles_a_beat,
+            "triangles" => &mut self.triangles.0,
+            "tolerance" => &mut self.tolerance,
+            _ => return None,
+        })
+    }
+}
+
+/// Keys and values.
+fn words(text: &str) -> impl Iterator<Item = (&str, &str)> {
+    text.split_ascii_whitespace().map(|word| word.split_once('=').unwrap_or((word, "")))
+}
+
+/// What a configuration names.
+///
+/// # Errors
+/// The key that is wrong, and what would be right.
+pub fn parse(text: &str) -> Result<Setting, String> {
+    let mut all: Vec<(&str, &str)> = words(STANDARD).collect();
+    let mut given = Vec::new();
+    for (key, value) in words(text) {
+        let known = all.iter_mut().find(|(known, _)| *known == key);
+        let keys = || words(STANDARD).map(|(key, _)| key).collect::<Vec<_>>().join(", ");
+        known.ok_or_else(|| format!("'{key}': the keys are {}", keys()))?.1 = value;
+        if given.contains(&key) {
+            return Err(format!("{key} stands there twice"));
+        }
+        given.push(key);
+    }
+    let of = |keys: &[&str]| {
+        let words = all.iter().filter(|(key, _)| keys.contains(key));
+        words.map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>().join(" ")
+    };
+    let cache = config::parse(&of(&["line", "lines", "ways", "hash", "policy"]))?;
+    let chip = ChipConfig::standard(Version::None, cache);
+    let mut setting = Setting { chip, meta_sets: 0, triangles: HostAddr(0), tolerance: 0 };
+    for (key, value) in all {
+        let wrong = |right: String| format!("{key}={value}: {right}");
+        if key == "version" {
+            setting.chip.version = named(VERSIONS, value).map_err(wrong)?;
+        } else if let Some(number) = setting.number(key) {
+            *number = value.parse().map_err(|_| wrong("write a decimal number".to_owned()))?;
+            let most = match key {
+                "triangles" => u32::MAX,
+                "tolerance" => MAX_TOLERANCE,
+                _ => MAX_NUMBER,
+            };
+            if *number > most {
+                return Err(wrong(format!("it must be at most {most}")));
+            }
+        }
+    }
+    let granules = setting.meta_sets.saturating_mul(CHIP_CACHE_WAYS as u32);
+    setting.chip.metadata_cache.bytes = granules.saturating_mul(setting.chip.metadata_cache.granule);
+    setting.chip.check().map_err(|error| error.to_string())?;
+    Ok(setting)
+}
+
+/// The configuration that [`parse`] reads back.
+#[must_use]
+pub fn text(setting: &Setting) -> String {
+    let mut setting = setting.clone();
+    let cache = config::text(&setting.chip.cache);
+    let version = name_of(VERSIONS, &setting.chip.version);
+    let word = |(key, standard): (&str, &str)| {
+        let number = setting.number(key).map(|number| number.to_string());
+        let of_cache = || words(&cache).find(|(known, _)| *known == key).map(|(_, value)| value.to_owned());
+        let value = number.or_else(of_cache).unwrap_or_else(|| version.to_owned());
+        (value != standard).then(|| format!("{key}={value}"))
+    };
+    words(STANDARD).filter_map(word).collect::<Vec<_>>().join(" ")
+}
+
+/// The configuration with another tolerance.
+#[must_use]
+pub fn with_tolerance(text: &str, tolerance: u32) -> String {
+    let kept = text.split_ascii_whitespace().filter(|word| !word.starts_with("tolerance="));
+    let tolerance = (tolerance > 0).then(|| format!("tolerance={tolerance}"));
+    kept.map(str::to_owned).chain(tolerance).collect::<Vec<_>>().join(" ")
+}
+
+/// Configurations that are simpler by one step: one pipeline, one thread, no virtual memory, and what
+/// the standard chip has.
+#[must_use]
+pub fn simpler(config: &str) -> Vec<String> {
+    let Ok(setting) = parse(config) else { return Vec::new() };
+    let mut steps = Vec::new();
+    let mut change = |by: &dyn Fn(&mut Setting)| {
+        let mut simpler = setting.clone();
+        by(&mut simpler);
+        steps.push(text(&simpler));
+    };
+    change(&|setting| (setting.chip.pipelines, setting.chip.threads) = (1, 1));
+    change(&|setting| setting.chip.pipelines = 1);
+    change(&|setting| setting.chip.threads = 1);
+    change(&|setting| setting.chip.version = Version::None);
+    if setting.chip.version == Version::B {
+        change(&|setting| setting.chip.version = Version::A);
+    }
+    let now = text(&setting);
+    let kept = |key: &str| ["pipelines", "threads", "version", "tolerance"].contains(&key);
+    let all: Vec<_> = words(&now).filter(|(key, _)| !kept(key)).map(|(key, _)| key).collect();
+    let without = |keys: &[&str]| {
+        let words = words(&now).filter(|(key, _)| !keys.contains(key));
+        words.map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>().join(" ")
+    };
+    steps.push(without(&all));
+    for half in all.chunks(all.len().div_ceil(2).max(1)) {
+        steps.push(without(half));
+    }
+    steps.extend(all.iter().map(|key| without(&[key])));
+    steps.retain(|simpler| *simpler != now);
+    steps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn standard_is_the_models() {
+        let setting = parse("").expect("the standard chip");
+        assert_eq!(setting.chip, ChipConfig::standard(Version::A, setting.chip.cache));
+        assert_eq!((text(&setting).as_str(), parse(STANDARD)), ("", Ok(setting)));
+        assert!(
+            include_str!("../../../PROTOCOL.md")
+                .split_whitespace()
+                .collect::<String>()
+                .contains(&STANDARD.split_whitespace().collect::<String>())
+        );
+    }
+
+    #[test]
+    fn configurations_read_back() {
+        for config in ["pipelines=1 threads=2", "version=b lines=16 meta-sets=1", "t-line=8 tolerance=20"] {
+            assert_eq!(parse(config).map(|setting| text(&setting)), Ok(config.to_owned()));
+        }
+        assert_eq!(with_tolerance("threads=2 tolerance=5", 7), "threads=2 tolerance=7");
+        assert_eq!(with_tolerance("threads=2 tolerance=5", 0), "threads=2");
+    }
+
+    #[test]
+    fn what_is_no_configuration_is_told() {
+        for (config, says) in [
+            ("thread=1", "the keys are pipelines"),
+            ("threads=1 threads=2", "twice"),
+            ("threads=x", "decimal"),
+            ("threads=65", "1 to 64"),
+            ("version=c", "none, a, b"),
+            ("hash=xor", "add-upper"),
+            ("s-sets=3", "power of two"),
+            ("n-tag=3", "the keys are"),
+            ("pci-setup=70000", "at most 65536"),
+            ("tolerance=101", "at most 100"),
+            ("line=32", "line of a first-level cache"),
+            ("version=b granule=4096 meta-sets=65536", "metadata cache"),
+        ] {
+            let error = parse(config).expect_err(config);
+            assert!(error.contains(says), "{config}: {error}");
+        }
+    }
+
+    #[test]
+    fn simpler_configurations_end() {
+        let config = "pipelines=2 threads=3 version=b lines=16 ways=2 meta-sets=1 refresh=0 tolerance=5";
+        let mut config = config.to_owned();
+        while let Some(next) = simpler(&config).into_iter().find(|next| parse(next).is_ok()) {
+            config = next;
+        }
+        assert_eq!(config, "pipelines=1 threads=1 version=none tolerance=5");
+    }
+}

@@ -1,0 +1,75 @@
+//! The model and the naive stepping as implementations.
+
+use super::config::{self, Setting};
+use super::request::{Request, push_answer};
+use crate::kind::Oracle;
+use crate::serve::{Served, Unsupported};
+use saarcor_model::chip::{Observer, Report, simulate_observed};
+use saarcor_model::program::Programs;
+use saarcor_reference::chip::naive_simulate;
+
+/// An oracle with the packets that it was told.
+#[derive(Clone, Debug)]
+pub struct ChipServed {
+    oracle: Oracle,
+    /// The chip.
+    pub setting: Setting,
+    before: Programs,
+    programs: Programs,
+}
+
+impl ChipServed {
+    /// The oracle of a configuration.
+    ///
+    /// # Errors
+    /// The key whose value is wrong.
+    pub fn new(oracle: Oracle, config: &str) -> Result<Self, Unsupported> {
+        let setting = config::parse(config).map_err(Unsupported)?;
+        let programs = Programs { packets: Vec::new(), triangles: setting.triangles };
+        Ok(Self { oracle, setting, before: programs.clone(), programs })
+    }
+
+    /// Takes what a request changes; a run changes nothing.
+    pub fn change(&mut self, request: Request) {
+        match request {
+            Request::Before(operations) => self.before.packets.push(operations.into()),
+            Request::Packet(operations) => self.programs.packets.push(operations.into()),
+            Request::Run => {}
+            Request::Flush => {
+                self.before.packets.clear();
+                self.programs.packets.clear();
+            }
+        }
+    }
+
+    /// Plays the packets on the model.
+    pub fn play(&self, observer: &mut impl Observer) -> Report {
+        let before = std::slice::from_ref(&self.before);
+        let report = simulate_observed(before, &self.programs, &self.setting.chip, observer);
+        report.expect("the configuration was checked when it was read")
+    }
+}
+
+impl Served for ChipServed {
+    fn observes(&self) -> String {
+        "cycles,pci,mem,l1,l2".to_owned()
+    }
+
+    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), &'static str> {
+        let request = Request::parse(request)?;
+        request.fits(&self.setting)?;
+        if request != Request::Run {
+            self.change(request);
+            answer.extend_from_slice(b"ok");
+            return Ok(());
+        }
+        let report = match self.oracle {
+            Oracle::Model => self.play(&mut ()),
+            Oracle::Naive => {
+                naive_simulate(std::slice::from_ref(&self.before), &self.programs, &self.setting.chip)
+            }
+        };
+        push_answer(answer, &report);
+        Ok(())
+    }
+}

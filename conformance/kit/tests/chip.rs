@@ -1,0 +1,98 @@
+//! `saarcor-chip`: sums by hand, tolerances, and what shrinking leaves.
+
+use saarcor_kit::chip::Chip;
+use saarcor_kit::chip::request::{Answer, Observes};
+use saarcor_kit::dut::InProcess;
+use saarcor_kit::kind::{Kind, Oracle};
+use saarcor_kit::level::Level;
+use saarcor_kit::report::{Report, Verdict};
+use saarcor_kit::run::{Options, default_suite, run};
+use saarcor_kit::serve::{Served, Unsupported, serve};
+use saarcor_kit::session::Session;
+
+/// The sums of a suite's comments, `# 17 cycles: ..`, by the runs that they stand before.
+fn sums(text: &str) -> Vec<Option<u64>> {
+    let mut sums = Vec::new();
+    let mut sum = None;
+    for line in text.lines() {
+        let number = line.strip_prefix("# ").and_then(|line| line.split_once(" cycles"));
+        sum = number.and_then(|(number, _)| number.parse().ok()).or(sum);
+        if line == "run" {
+            sums.push(sum.take());
+        }
+    }
+    sums
+}
+
+#[test]
+fn sums_by_hand_are_the_models() {
+    let mut checked = 0;
+    for (name, text) in Chip.suites() {
+        let session = Session::parse(name, text).expect("a suite").remove(0);
+        let make = |kind: &dyn Kind, config: &str| kind.oracle(Oracle::Model, config);
+        let mut answers = Vec::new();
+        serve(&make, session.text(), &mut answers).expect("memory can be written");
+        let lines = answers.split(|&byte| byte == b'\n').filter(|line| line.starts_with(b"c "));
+        let cycles = lines.map(|line| Answer::parse(line, Observes::ALL).expect("the form is right").cycles);
+        let cycles: Vec<_> = cycles.collect();
+        let sums = sums(text);
+        assert_eq!(cycles.len(), sums.len(), "{name}");
+        for (cycles, sum) in cycles.into_iter().zip(sums).filter(|(_, sum)| sum.is_some()) {
+            assert_eq!(cycles, sum, "{name}");
+            checked += 1;
+        }
+    }
+    assert!(checked > 40, "{checked}");
+}
+
+/// The model whose runs take a part more cycles, and bytes if it is to.
+struct Slower {
+    model: Box<dyn Served>,
+    thousandths: u64,
+}
+
+impl Served for Slower {
+    fn observes(&self) -> String {
+        "cycles".to_owned()
+    }
+
+    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), &'static str> {
+        let mut right = Vec::new();
+        self.model.answer(request, &mut right)?;
+        match Answer::parse(&right, Observes::ALL).ok().and_then(|answer| answer.cycles) {
+            Some(cycles) => {
+                let cycles = cycles + cycles * self.thousandths / 1000;
+                answer.extend_from_slice(format!("c {cycles:x} - - - -").as_bytes());
+            }
+            None => answer.extend_from_slice(&right),
+        }
+        Ok(())
+    }
+}
+
+fn slower(thousandths: u64, tolerance: u32) -> Report {
+    let dut = InProcess::new(Box::new(move |kind, config| {
+        let model = kind.oracle(Oracle::Model, config)?;
+        Ok::<Box<dyn Served>, Unsupported>(Box::new(Slower { model, thousandths }))
+    }));
+    let options = Options { requests: 2400, tolerance, ..Options::default() };
+    let planned = default_suite(&Chip, &options).expect("suites");
+    run("slower", &dut, &Chip, &planned, &options, &|_| ()).expect("it runs")
+}
+
+#[test]
+fn timing_is_right_within_the_stated_tolerance() {
+    let report = slower(20, 20);
+    assert_eq!((report.verdict, report.highest), (Verdict::Conforms, Some(Level::Timing)));
+    assert_eq!(report.tolerance, 20);
+    for (thousandths, tolerance) in [(20, 0), (20, 10)] {
+        let report = slower(thousandths, tolerance);
+        assert_eq!(report.verdict, Verdict::DoesNotConform);
+        let failure = &report.failures[0];
+        assert_eq!(failure.level, Level::Timing);
+        // What runs the shortest again has the tolerance in it.
+        let config = failure.minimal[1].contains("tolerance=10");
+        assert_eq!(config, tolerance == 10, "{}", failure.text());
+        assert!(failure.minimal_requests <= 3, "{}", failure.text());
+    }
+}
