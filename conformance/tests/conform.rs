@@ -54,6 +54,11 @@ const WALK: &[(&str, i32, &str)] = &[
         "conforms; agrees up to level rays",
     ),
     ("saarcor conform generate kd/random/5 --requests 100", 0, "kernel=moller-trumbore"),
+    ("saarcor conform new chip-python my-chip", 0, ""),
+    ("saarcor conform run my-chip --suite chip/units-in-turn", 0, "conforms; agrees up to level timing"),
+    ("saarcor conform generate chip/random/5 --requests 20", 0, "run"),
+    ("saarcor conform new chip-python slow-chip --fault transfers-overlap", 0, ""),
+    ("saarcor conform run slow-chip --suite chip/one-transfer-at-a-time", 1, "PC-1 at level timing"),
 ];
 
 #[test]

@@ -3,6 +3,7 @@
 #![cfg(unix)]
 
 use rayon::prelude::*;
+use saarcor_kit::chip::Chip;
 use saarcor_kit::dut::Dut;
 use saarcor_kit::judge::Judge;
 use saarcor_kit::kd::Kd;
@@ -15,6 +16,7 @@ use saarcor_kit::target::{How, Target};
 use saarcor_kit::templates::{Fault, TEMPLATES, faults};
 use saarcor_kit::vm::config;
 use saarcor_model::vm::CacheConfig;
+use std::collections::BTreeSet;
 
 /// A template with a fault in it, built, and the folder that it lies in.
 fn planted(fault: &Fault) -> (tempfile::TempDir, Target) {
@@ -39,8 +41,14 @@ fn first_failure(fault: &Fault, dut: &dyn Dut, kind: &dyn Kind) -> Option<Failur
 }
 
 /// Requests that exhaustive search is made of: each line of twice the memory, and what forgets them.
-/// For sets alone, the first lines.
-fn alphabet(config: &str) -> Vec<String> {
+/// For sets alone, the first lines; for the chip, the packets that fail, and such of one operation.
+fn alphabet(failure: &Session) -> Vec<String> {
+    let config = failure.config();
+    if failure.hello() == Chip.hello() {
+        let own = failure.requests().map(|line| String::from_utf8_lossy(line).into_owned());
+        let others = ["run", "flush", "p", "p s,0,0,1", "p n,0,8,1", "b n,0,8,1"].map(str::to_owned);
+        return own.chain(others).collect::<BTreeSet<_>>().into_iter().collect();
+    }
     if let Ok(meta) = saarcor_kit::meta::config::parse(config) {
         let geometry = meta.cache.geometry;
         let lines = 0..2 * geometry.lines().min(4);
@@ -60,7 +68,7 @@ fn alphabet(config: &str) -> Vec<String> {
 
 /// Whether any session of `length` requests fails.
 fn some_fail(dut: &dyn Dut, kind: &dyn Kind, failure: &Session, length: usize) -> bool {
-    let alphabet = alphabet(failure.config());
+    let alphabet = alphabet(failure);
     (0..alphabet.len().pow(length as u32)).any(|mut number| {
         let requests: Vec<_> = (0..length)
             .map(|_| {
@@ -77,7 +85,7 @@ fn some_fail(dut: &dyn Dut, kind: &dyn Kind, failure: &Session, length: usize) -
 }
 
 /// The templates that are programs of Python: starting it takes most of the time.
-const IN_PYTHON: [&str; 4] = ["python", "hash", "meta", "kd-python"];
+const IN_PYTHON: [&str; 5] = ["python", "hash", "meta", "kd-python", "chip-python"];
 
 #[test]
 fn every_fault_is_found_for_its_requirement_by_few_requests() {

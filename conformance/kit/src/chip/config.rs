@@ -155,7 +155,13 @@ pub fn text(setting: &Setting) -> String {
         let value = number.or_else(of_cache).unwrap_or_else(|| version.to_owned());
         (value != standard).then(|| format!("{key}={value}"))
     };
-    words(STANDARD).filter_map(word).collect::<Vec<_>>().join(" ")
+    one_at_least(words(STANDARD).filter_map(word))
+}
+
+/// The words as a configuration, which names one key at least.
+fn one_at_least(words: impl Iterator<Item = String>) -> String {
+    let text = words.collect::<Vec<_>>().join(" ");
+    if text.is_empty() { "version=a".to_owned() } else { text }
 }
 
 /// The configuration with another tolerance.
@@ -163,7 +169,7 @@ pub fn text(setting: &Setting) -> String {
 pub fn with_tolerance(text: &str, tolerance: u32) -> String {
     let kept = text.split_ascii_whitespace().filter(|word| !word.starts_with("tolerance="));
     let tolerance = (tolerance > 0).then(|| format!("tolerance={tolerance}"));
-    kept.map(str::to_owned).chain(tolerance).collect::<Vec<_>>().join(" ")
+    one_at_least(kept.map(str::to_owned).chain(tolerance))
 }
 
 /// Configurations that are simpler by one step: one pipeline, one thread, no virtual memory, and what
@@ -189,7 +195,7 @@ pub fn simpler(config: &str) -> Vec<String> {
     let all: Vec<_> = words(&now).filter(|(key, _)| !kept(key)).map(|(key, _)| key).collect();
     let without = |keys: &[&str]| {
         let words = words(&now).filter(|(key, _)| !keys.contains(key));
-        words.map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>().join(" ")
+        one_at_least(words.map(|(key, value)| format!("{key}={value}")))
     };
     steps.push(without(&all));
     for half in all.chunks(all.len().div_ceil(2).max(1)) {
@@ -208,7 +214,7 @@ mod tests {
     fn standard_is_the_models() {
         let setting = parse("").expect("the standard chip");
         assert_eq!(setting.chip, ChipConfig::standard(Version::A, setting.chip.cache));
-        assert_eq!((text(&setting).as_str(), parse(STANDARD)), ("", Ok(setting)));
+        assert_eq!((text(&setting).as_str(), parse(STANDARD)), ("version=a", Ok(setting)));
         assert!(
             include_str!("../../../PROTOCOL.md")
                 .split_whitespace()

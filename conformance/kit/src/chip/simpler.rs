@@ -3,12 +3,9 @@
 use super::request::Request;
 use crate::session::Session;
 use saarcor_model::program::Operation;
-use saarcor_model::units::HostAddr;
 
-/// Packets that are simpler than one, the boldest first: fewer operations, then fewer rays, fewer bytes
-/// and lower addresses.
-pub fn requests(request: &[u8]) -> Vec<Request> {
-    let Ok(request) = Request::parse(request) else { return Vec::new() };
+/// Requests with fewer operations than one, the boldest first.
+fn fewer_operations(request: &Request) -> Vec<Request> {
     let operations = request.operations();
     let mut simpler = Vec::new();
     let mut part = operations.len();
@@ -16,50 +13,51 @@ pub fn requests(request: &[u8]) -> Vec<Request> {
         for begin in (0..operations.len()).step_by(part).rev() {
             let mut fewer = operations.to_vec();
             fewer.drain(begin..(begin + part).min(operations.len()));
-            simpler.push(fewer);
+            simpler.push(request.with(fewer));
         }
         part /= 2;
     }
-    for (place, operation) in operations.iter().enumerate() {
-        for smaller in smaller(operation) {
-            let mut changed = operations.to_vec();
-            changed[place] = smaller;
-            simpler.push(changed);
-        }
-    }
-    simpler.into_iter().map(|operations| request.with(operations)).collect()
+    simpler
 }
 
-/// Operations that are simpler than one by one number, which is less.
-fn smaller(operation: &Operation) -> Vec<Operation> {
-    let &Operation { addr, bytes, rays, .. } = operation;
-    let mut steps = Vec::new();
-    if bytes > 0 {
-        steps.push(Operation { rays: 0, ..*operation });
-        steps.push(Operation { addr: HostAddr(0), ..*operation });
-        steps.push(Operation { bytes: 1, ..*operation });
-        // The first byte of a page, of a beat, and halfway.
-        steps.extend([0xfff, 0xf].map(|low| Operation { addr: HostAddr(addr.0 & !low), ..*operation }));
-        steps.push(Operation { addr: HostAddr(addr.0 / 2), ..*operation });
-    } else {
-        steps.push(Operation { addr: HostAddr(0), ..*operation });
-    }
-    steps.push(Operation { rays: rays.min(1), ..*operation });
-    steps.push(Operation { rays: rays.div_ceil(2), ..*operation });
-    steps.retain(|simpler| simpler != operation);
-    steps
+/// The request with one ray in each operation that has more.
+fn one_ray(request: &Request) -> Request {
+    let one = |&operation: &Operation| Operation { rays: operation.rays.min(1), ..operation };
+    request.with(request.operations().iter().map(one).collect())
 }
 
-/// The sessions in which one packet is simpler.
+/// Requests that are simpler than one: fewer rays, in all operations and in one of them.
+pub fn requests(line: &[u8]) -> Vec<Request> {
+    let Ok(request) = Request::parse(line) else { return Vec::new() };
+    let operations = request.operations();
+    let mut simpler = vec![one_ray(&request)];
+    for (place, &operation) in operations.iter().enumerate() {
+        let mut changed = operations.to_vec();
+        changed[place] = Operation { rays: operation.rays.min(1), ..operation };
+        simpler.push(request.with(changed));
+    }
+    simpler.retain(|simpler| *simpler != request);
+    simpler
+}
+
+/// Sessions that are simpler: with one ray everywhere, or with fewer operations in one of the packets.
 pub fn sessions(session: &Session) -> Vec<Session> {
-    let lines: Vec<&[u8]> = session.requests().collect();
+    let parsed: Result<Vec<_>, _> = session.requests().map(Request::parse).collect();
+    let Ok(requests) = parsed else { return Vec::new() };
+    let text = |requests: &[Request]| {
+        let lines: Vec<String> = requests.iter().map(Request::to_string).collect();
+        session.with_requests(lines.iter().map(String::as_bytes))
+    };
+    let one_ray: Vec<_> = requests.iter().map(one_ray).collect();
     let mut sessions = Vec::new();
-    for (place, line) in lines.iter().enumerate() {
-        for request in requests(line) {
-            let text = request.to_string();
-            let mut lines = lines.clone();
-            lines[place] = text.as_bytes();
-            sessions.push(session.with_requests(lines));
+    if one_ray != requests {
+        sessions.push(text(&one_ray));
+    }
+    for (place, request) in requests.iter().enumerate() {
+        for simpler in fewer_operations(request) {
+            let mut requests = requests.clone();
+            requests[place] = simpler;
+            sessions.push(text(&requests));
         }
     }
     sessions
@@ -70,22 +68,33 @@ mod tests {
     use super::*;
 
     #[test]
-    fn packets_become_simpler_until_nothing_is_left() {
-        let mut line = "p n,1234,8,40 s,0,0,3 t,24,24,7".to_owned();
+    fn sessions_become_simpler_until_nothing_is_left() {
+        let text = b"b l,0,4,2\np n,1234,8,40 s,0,0,3 t,24,24,7\nrun\n";
+        let mut session = Session::new("x", "saarcor-chip 1", "threads=1", text);
         let mut steps = 0;
-        while let Some(simpler) = requests(line.as_bytes()).last() {
-            line = simpler.to_string();
-            assert!(Request::parse(line.as_bytes()).is_ok(), "{line}");
+        while let Some(simpler) = sessions(&session).pop() {
+            session = simpler;
             steps += 1;
-            assert!(steps < 100, "{line}");
+            assert!(steps < 100, "{:?}", session.text());
         }
-        // Of each operation only what has to be.
-        assert_eq!(line, "p");
+        // Of each packet only that it is one.
+        assert_eq!(session.requests().collect::<Vec<_>>(), [&b"b"[..], b"p", b"run"]);
     }
 
     #[test]
-    fn the_boldest_step_comes_first() {
-        assert_eq!(requests(b"p n,0,8,1 n,8,8,1").first().map(Request::to_string).as_deref(), Some("p"));
-        assert!(requests(b"run").is_empty() && requests(b"p").is_empty());
+    fn boldest_steps_come_first() {
+        let simpler =
+            |line: &str| requests(line.as_bytes()).iter().map(Request::to_string).collect::<Vec<_>>();
+        assert_eq!(
+            simpler("p n,0,8,4 s,0,0,2"),
+            ["p n,0,8,1 s,0,0,1", "p n,0,8,1 s,0,0,2", "p n,0,8,4 s,0,0,1"]
+        );
+        assert!(simpler("run").is_empty() && simpler("p n,0,8,1").is_empty());
+        let session = Session::new("x", "saarcor-chip 1", "", b"p n,0,8,4 s,0,0,2\nrun\n");
+        let first: Vec<_> = sessions(&session)
+            .iter()
+            .map(|session| session.text()[session.body_start()..].to_vec())
+            .collect();
+        assert_eq!(first[1], b"p\nrun\nend\n");
     }
 }
