@@ -108,7 +108,7 @@ impl Reached {
         let lines = match u64::from(bytes) {
             0 => 0,
             bytes => {
-                let first = u64::from(addr.0) - base;
+                let first = u64::from(addr.0).saturating_sub(base);
                 let lines = first / size..=(first + bytes - 1) / size;
                 if setting.chip.version != Version::None {
                     let vm_line = setting.chip.cache.geometry.line().0;
