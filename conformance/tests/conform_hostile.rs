@@ -74,6 +74,13 @@ fn marked(mark: &str) -> Vec<String> {
     marked.map(|process| line(&process).replace('\0', " ")).collect()
 }
 
+/// A loop of the shell that answers reads by `read`, and all in the form of the protocol, after a pause.
+fn answering(pause: &str, read: &str) -> String {
+    format!(
+        "while read x; do {pause}; case $x in r*) echo {read};; '#'*) ;; end) echo end; exit;; *) echo ok;; esac; done"
+    )
+}
+
 #[test]
 fn verdict_is_in_time_and_memory_bounded() {
     let hello = "read x; echo saarcor-vm 1; read x; echo ok observes=data,hit,card,evict";
@@ -86,6 +93,9 @@ fn verdict_is_in_time_and_memory_bounded() {
         ("setsid sleep 1000 & exit 1", "does-not-conform"),
         (&format!("{hello}; while :; do echo ok; done"), "does-not-conform"),
         (&format!("{hello}; while read x; do sleep 0.1; echo ok; done"), "does-not-conform"),
+        // Slow, wrong, and in time in each of the short sessions: shrinking them has to end too.
+        (&format!("{hello}; {}", answering("sleep 0.03", "h 0 - 00")), "does-not-conform"),
+        (&format!("sleep 0.3; {hello}; {}", answering(":", "h 0 - 00")), "does-not-conform"),
         (
             &format!("{hello}; sleep 0.4; read x; echo ok; sleep 0.4; head -c 9 /dev/zero; sleep 1000"),
             "does-not-conform",
@@ -95,7 +105,7 @@ fn verdict_is_in_time_and_memory_bounded() {
         assert_eq!(report["verdict"], verdict, "{command}: {report}");
         assert!(most < MOST_KIB, "{command}: {most} KiB");
         println!("{took:?}, {most} KiB: {command}");
-        let stderr = report["failures"][0]["stderr"].as_str().expect("text");
+        let stderr = report["failures"][0]["stderr"].as_str().unwrap_or_default();
         assert!(!command.contains("complaint") || stderr.contains("complaint"), "{command}: {report}");
     }
 }

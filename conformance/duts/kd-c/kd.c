@@ -16,7 +16,7 @@ typedef struct { float origin[3], direction[3], t_min, t_max; } Ray;
 typedef struct { uint32_t triangle; float t, u, v; } Hit;
 typedef struct { uint32_t node; float enter, leave; } Visit;
 
-static uint32_t *touched, count, room; /* addresses that were read */
+static uint32_t end, *touched, count, room; /* behind the last byte that was written; addresses that were read */
 
 static uint32_t word(uint32_t address) {
     uint32_t value;
@@ -121,7 +121,7 @@ static void answer(const Ray *ray, int any) {
 
 static void write_memory(char *text) {
     uint32_t address = strtoul(text, &text, 16);
-    for (text++; text[0] > ' '; text += 2) {
+    for (text++; text[0] > ' '; text += 2, end = address > end ? address : end) {
         char digits[3] = {text[0], text[1], 0};
         memory[address++] = strtoul(digits, NULL, 16);
     }
@@ -137,7 +137,7 @@ int main(void) {
         switch (line[0]) {
         case 'w': write_memory(rest); puts("ok"); break;
         case 'b': memcpy(box, n, sizeof box); puts("ok"); break;
-        case 'f': memset(memory, 0, MEMORY); puts("ok"); break;
+        case 'f': memset(memory, 0, end); end = 0; puts("ok"); break;
         case 'e': puts("end"); return 0;
         case 's': puts("saarcor-kd 1"); break;
         case 'a': answer(&(Ray){{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6], n[7]}, 1); break;

@@ -61,9 +61,9 @@ module bench #(parameter LINE_BITS = 4, parameter SET_BITS = 1, parameter WAY_BI
     endfunction
 
     reg [7:0] name, rest;
-    reg [31:0] host, count;
+    reg [31:0] host;
+    reg [63:0] count, at;
     integer got, k;
-    reg [63:0] at;
     initial begin
         reset = 1; tick; reset = 0;
         name = $fgetc(STDIN);
@@ -89,7 +89,8 @@ module bench #(parameter LINE_BITS = 4, parameter SET_BITS = 1, parameter WAY_BI
                 $write("ok\n");
             end else if (name == "i") begin
                 got = $fscanf(STDIN, " %x %x", host, count);
-                for (at = host & ~(LINE - 1); at < {32'd0, host} + count; at = at + LINE) ask(at[31:0], 1);
+                if (count == 64'h1_0000_0000) begin reset = 1; tick; reset = 0; end  // all lines at once
+                else for (at = host & ~(LINE - 1); at < host + count; at = at + LINE) ask(at[31:0], 1);
                 $write("ok\n");
             end else if (name == "f") begin
                 reset = 1; tick; reset = 0;

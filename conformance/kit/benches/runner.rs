@@ -8,6 +8,7 @@ use saarcor_kit::kind::{Kind as _, Oracle};
 use saarcor_kit::level::Level;
 use saarcor_kit::serve::serve;
 use saarcor_kit::session::Session;
+use saarcor_kit::stop::Stop;
 use saarcor_kit::vm::Vm;
 
 const REQUESTS: usize = 50_000;
@@ -18,7 +19,7 @@ const SEED: u64 = 3;
 struct Canned(Vec<u8>);
 
 impl Dut for Canned {
-    fn converse(&self, session: &Session, judge: &mut Judge<'_>) -> anyhow::Result<Ending> {
+    fn converse(&self, session: &Session, judge: &mut Judge<'_>, _: &Stop) -> anyhow::Result<Ending> {
         for answer in self.0.split(|&byte| byte == b'\n').filter(|answer| !answer.is_empty()) {
             judge.answer(answer, session.text().len());
         }
@@ -42,7 +43,7 @@ fn runner(c: &mut Criterion) {
             b.iter(|| {
                 let session = Vm.random(SEED, REQUESTS);
                 let mut judge = Judge::new(&Vm, &session, Level::HIGHEST);
-                dut.converse(&session, &mut judge).expect("it runs");
+                dut.converse(&session, &mut judge, &Stop::never()).expect("it runs");
                 assert!(judge.is_done() && judge.findings().is_empty());
             });
         });

@@ -4,6 +4,7 @@
 use crate::dut::{Dut, Ending, Timeout};
 use crate::judge::{Judge, Stage};
 use crate::session::Session;
+use crate::stop::Stop;
 use anyhow::{Context, Result};
 use memchr::memchr;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -27,6 +28,8 @@ const MAX_ANSWER: usize = 4 * crate::MAX_LINE_BYTES;
 const STDERR_KEPT: usize = 4096;
 /// Time to exit for a process that has closed its output too early: to learn its status.
 const EXIT_GRACE: Duration = Duration::from_millis(100);
+/// Time between two looks at whether a conversation is given up.
+const STOP_POLL: Duration = Duration::from_millis(50);
 /// Time between two looks at a process that is about to exit.
 const EXIT_POLL: Duration = Duration::from_millis(1);
 
@@ -42,12 +45,16 @@ pub struct Process {
 }
 
 impl Dut for Process {
-    fn converse(&self, session: &Session, judge: &mut Judge<'_>) -> Result<Ending> {
+    fn converse(&self, session: &Session, judge: &mut Judge<'_>, stop: &Stop) -> Result<Ending> {
         let mut running = Running::start(self)?;
-        let timeout = running.hold(session.text(), judge, self.time_limit);
+        let timeout = running.hold(session.text(), judge, self.time_limit, stop);
         running.kill();
         running.read_stderr();
         Ok(Ending { timeout, stderr: String::from_utf8_lossy(&running.stderr_tail).into_owned() })
+    }
+
+    fn time_limit(&self) -> Option<Duration> {
+        Some(self.time_limit)
     }
 }
 
@@ -165,7 +172,7 @@ impl Running {
     }
 
     /// Holds the conversation until the judge has all, or nothing more can come.
-    fn hold(&mut self, text: &[u8], judge: &mut Judge<'_>, limit: Duration) -> Option<Timeout> {
+    fn hold(&mut self, text: &[u8], judge: &mut Judge<'_>, limit: Duration, stop: &Stop) -> Option<Timeout> {
         let began = Instant::now();
         let mut last_answer = began;
         let mut sent = 0;
@@ -175,11 +182,14 @@ impl Running {
                 let silent = last_answer.elapsed() > limit / 2;
                 return Some(if silent { self.hung(judge, limit) } else { Timeout::Slow });
             }
-            self.wait(left);
+            if stop.has_come() {
+                return Some(Timeout::Stopped);
+            }
+            self.wait(left.min(stop.left()).min(STOP_POLL));
             match self.read_answers(judge, sent) {
                 Looked::Answers => last_answer = Instant::now(),
                 Looked::Nothing => {}
-                Looked::EndOfFile => return self.ended(judge, began + limit),
+                Looked::EndOfFile => return self.ended(judge, began + limit, stop),
             }
             self.read_stderr();
             sent += self.write(&text[sent..]);
@@ -273,12 +283,15 @@ impl Running {
     }
 
     /// Standard output has ended: says so where answers lack, else waits for the exit.
-    fn ended(&mut self, judge: &mut Judge<'_>, deadline: Instant) -> Option<Timeout> {
+    fn ended(&mut self, judge: &mut Judge<'_>, deadline: Instant, stop: &Stop) -> Option<Timeout> {
         // After the end it has all of its time to exit. Before, only how it exits is still of interest.
         let all_answered = judge.stage() == Stage::Ended && self.pending == 0;
         let deadline = if all_answered { deadline } else { deadline.min(Instant::now() + EXIT_GRACE) };
         let mut exit = self.exit();
         while exit.is_none() && Instant::now() < deadline {
+            if stop.has_come() {
+                return Some(Timeout::Stopped);
+            }
             std::thread::sleep(EXIT_POLL);
             self.read_stderr();
             exit = self.exit();

@@ -24,6 +24,19 @@ pub struct Finding {
     pub says: String,
 }
 
+impl Finding {
+    /// How many of the session's requests had been asked by then.
+    #[must_use]
+    pub fn asked_by_then(&self) -> usize {
+        match self.request {
+            Some(request) => request + 1,
+            // A hello or a configuration comes before all of them, and an end after.
+            None if self.asked.starts_with("config ") || self.asked.starts_with("saarcor-") => 0,
+            None => usize::MAX,
+        }
+    }
+}
+
 /// How a conversation stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {

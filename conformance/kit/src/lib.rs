@@ -22,10 +22,11 @@
 //! | [`check`] | answers from a file |
 //! | [`library`] | an implementation as a shared library |
 //! | [`dut`], [`child`] | an implementation under test: in process, or a child process |
+//! | [`stop`] | when conversations are given up |
 //! | [`target`] | `dut.toml` and command lines |
 //! | [`run`] | all sessions, and the report |
 //! | [`shrink`] | delta debugging |
-//! | [`report`] | what was found, also as JUnit |
+//! | [`report`] | what was found; its form for CI systems is in `junit` |
 //! | [`templates`] | implementations to copy, and faults to plant into them |
 
 pub mod check;
@@ -33,9 +34,11 @@ pub mod check;
 pub mod child;
 pub mod chip;
 pub mod dut;
+mod gather;
 pub mod hash;
 pub mod hex;
 pub mod judge;
+mod junit;
 pub mod kd;
 pub mod kind;
 pub mod level;
@@ -48,6 +51,7 @@ pub mod run;
 pub mod serve;
 pub mod session;
 pub mod shrink;
+pub mod stop;
 pub mod suites;
 pub mod target;
 pub mod templates;

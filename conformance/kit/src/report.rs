@@ -2,7 +2,6 @@
 
 use crate::kind::Covered;
 use crate::level::Level;
-use quick_junit::{NonSuccessKind, Report as JunitReport, TestCase, TestCaseStatus, TestSuite};
 use serde::Serialize;
 
 /// Version of the report's form in JSON: raised where a field changes its meaning or goes.
@@ -138,12 +137,14 @@ pub struct Failure {
     /// The shortest session that still fails, as a suite file.
     #[serde(skip)]
     pub suite: Vec<u8>,
-    /// Its lines.
+    /// Its lines, but for the middle of one that is long.
     pub minimal: Vec<String>,
     /// Its requests.
     pub minimal_requests: usize,
     /// Requests of the session that was shrunk, up to the one that fails.
     pub found_requests: usize,
+    /// Whether time, or tries, ran out before it was the shortest.
+    pub cut_short: bool,
     /// The request whose answer is wrong.
     pub asked: String,
     /// The model's answer.
@@ -167,50 +168,28 @@ pub struct Unsupported {
     pub sessions: usize,
 }
 
-impl Report {
-    /// The report as JUnit XML: a suite for each requirement, with a case for its sessions together,
-    /// and one for each failure.
-    ///
-    /// # Errors
-    /// Never, but for a failure of the library that writes it.
-    pub fn junit(&self) -> anyhow::Result<String> {
-        let mut junit = JunitReport::new(format!("saarcor conform {}", self.dut));
-        for row in &self.requirements {
-            let mut suite = TestSuite::new(format!("{}.{}", self.kind, row.requirement));
-            let failures: Vec<_> =
-                self.failures.iter().filter(|failure| failure.row == row.requirement).collect();
-            for failure in &failures {
-                let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-                status.set_type(failure.level.name()).set_message(&failure.says);
-                status.set_description(failure.text());
-                let mut case = TestCase::new(failure.session.as_str(), status);
-                case.set_classname(format!("{}.{}", self.kind, row.requirement));
-                suite.add_test_case(case);
-            }
-            let rest = row.sessions.saturating_sub(failures.len());
-            if rest > 0 {
-                let failed = row.failed.saturating_sub(failures.len());
-                let status = if failed == 0 {
-                    TestCaseStatus::success()
-                } else {
-                    let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-                    status
-                        .set_type("sessions")
-                        .set_message(format!("{failed} of {rest} further sessions fail"));
-                    status
-                };
-                let mut case = TestCase::new(format!("{rest} sessions"), status);
-                case.set_classname(format!("{}.{}", self.kind, row.requirement));
-                suite.add_test_case(case);
-            }
-            junit.add_test_suite(suite);
-        }
-        // The schema that CI systems hold it to (junit-10.xsd of Jenkins' xUnit plugin) has no such attribute.
-        Ok(junit.to_string()?.replace(" disabled=\"0\"", ""))
-    }
+/// Lines of a session that are shown from its begin, and as many from its end.
+const SHOWN_LINES: usize = 40;
+
+/// The lines of a session, but for the middle of one that is long.
+pub(crate) fn shown_lines(text: &[u8]) -> Vec<String> {
+    let text = String::from_utf8_lossy(text);
+    let lines: Vec<&str> = text.lines().collect();
+    let more = lines.len().saturating_sub(2 * SHOWN_LINES);
+    let (begin, end) = (lines.len().min(SHOWN_LINES), lines.len().min(SHOWN_LINES) + more);
+    let left_out = (more > 0).then(|| format!("# and here {more} lines more"));
+    let owned = |line: &&str| (*line).to_owned();
+    lines[..begin].iter().map(owned).chain(left_out).chain(lines[end..].iter().map(owned)).collect()
 }
 
 impl Failure {
+    /// What shrinking did, in words.
+    #[must_use]
+    pub fn shrunk(&self) -> String {
+        let more = if self.cut_short { "; out of time, there may be a shorter one" } else { "" };
+        format!("shrunk from {}{more}", self.found_requests)
+    }
+
     /// The failure for a person, over several lines.
     #[must_use]
     pub fn text(&self) -> String {
@@ -218,10 +197,7 @@ impl Failure {
         if !self.idea.is_empty() {
             text += &format!("  idea      {} ({})\n", self.idea, self.session);
         }
-        text += &format!(
-            "  requests  {} of {}, shrunk from {}\n",
-            self.minimal_requests, self.session, self.found_requests
-        );
+        text += &format!("  requests  {} of {}, {}\n", self.minimal_requests, self.session, self.shrunk());
         self.minimal.iter().for_each(|line| text += &format!("    {line}\n"));
         text +=
             &format!("  asked     {}\n  expected  {}\n  got       {}\n", self.asked, self.expected, self.got);

@@ -1,18 +1,19 @@
 //! All sessions with one implementation, and the report.
 
-use crate::dut::{Dut, Ending, Timeout};
+use crate::dut::{Dut, Timeout};
+use crate::gather::{Gathered, Held, gather};
 use crate::judge::{Finding, Judge};
 use crate::kind::Kind;
 use crate::level::Level;
 use crate::report::{
     AtLevel, Failure, LevelVerdict, Report, RequirementVerdict, SCHEMA_VERSION, Unsupported, Verdict,
+    shown_lines,
 };
 use crate::session::Session;
-use crate::shrink::shrink;
+use crate::shrink::{Shrunk, shrink};
+use crate::stop::Stop;
 use anyhow::{Context, Result, bail};
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::time::Instant;
 
 /// Requests of the random part where nothing is said.
 pub const RANDOM_REQUESTS: usize = 2_000_000;
@@ -23,9 +24,6 @@ const RANDOM_SESSIONS: usize = 24;
 /// Most requests of a random session: so many that starting it takes little of its time, and so few
 /// that many fit into memory.
 const SESSION_REQUESTS: usize = 50_000;
-/// Sessions between two looks at the number of errors. It does not depend on the threads, and so
-/// neither does the report.
-const BATCH: usize = 16;
 /// Failures that are shrunk: of each requirement and level the first, and no more than these.
 const SHOWN_FAILURES: usize = 8;
 
@@ -46,7 +44,7 @@ pub struct Options {
 
 impl Options {
     /// The highest level that is judged.
-    fn highest(&self) -> Level {
+    pub(crate) fn highest(&self) -> Level {
         self.level.unwrap_or(Level::HIGHEST)
     }
 }
@@ -70,10 +68,6 @@ pub enum Planned {
         requests: usize,
     },
 }
-
-/// Rows of the report for sessions that are about no requirement.
-const RANDOM: &str = "random";
-const GIVEN: &str = "frames, files";
 
 /// The part of the requests of the random sessions that a recorded frame has at most: a frame takes
 /// no more of the time than a few random sessions.
@@ -146,23 +140,6 @@ pub fn sessions_named(name: &str, requests: usize) -> Result<(&'static dyn Kind,
     Ok((*kind, sessions))
 }
 
-/// What one session gave.
-#[derive(Debug)]
-struct Held {
-    /// Its place in the plan.
-    place: usize,
-    row: String,
-    stderr: String,
-    findings: Vec<Finding>,
-    unsupported: Option<String>,
-    /// Which of the kind's levels could be judged.
-    observed: Vec<Level>,
-    answered: usize,
-    random: bool,
-    seconds: f64,
-    timeout: Option<Timeout>,
-}
-
 /// The kind of an implementation, by the hello that it answers; none where it answers none.
 ///
 /// # Errors
@@ -173,7 +150,7 @@ pub fn kind_of(dut: &dyn Dut) -> Result<Option<&'static dyn Kind>> {
         let session = default_suite(*kind, &options)?;
         let session = session.first().context("a kind has sessions")?.session(*kind, &options);
         let mut judge = Judge::new(*kind, &session, Level::Protocol);
-        let ending = dut.converse(&session, &mut judge)?;
+        let ending = dut.converse(&session, &mut judge, &Stop::never())?;
         let refused = judge.findings().iter().find(|finding| finding.asked == kind.hello());
         let Some(finding) = refused else { return Ok(Some(*kind)) };
         if let Some(named) = crate::KINDS.iter().find(|kind| kind.hello() == finding.got) {
@@ -198,60 +175,15 @@ pub fn run(
     options: &Options,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Report> {
-    let done = AtomicUsize::new(0);
-    let late = AtomicBool::new(false);
-    let mut held: Vec<Held> = Vec::new();
-    let mut stopped = None;
-    let mut random_seconds = 0.0;
-    let places: Vec<usize> = (0..planned.len()).collect();
-    for batch in places.chunks(BATCH) {
-        let started = Instant::now();
-        let results: Vec<Option<Held>> = batch
-            .par_iter()
-            .map(|&place| {
-                if late.load(Ordering::Relaxed) {
-                    return Ok(None);
-                }
-                let held = hold(dut, kind, (place, &planned[place]), options)?;
-                // What has had no time once would take the time limit again and again.
-                if held.timeout.is_some() {
-                    late.store(true, Ordering::Relaxed);
-                }
-                progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / planned.len() as f64);
-                Ok(Some(held))
-            })
-            .collect::<Result<_>>()?;
-        let seconds: f64 = results.iter().flatten().map(|held| held.seconds).sum();
-        let random: f64 = results.iter().flatten().filter(|held| held.random).map(|held| held.seconds).sum();
-        // Threads hold sessions at the same time: the random ones have their part of the time.
-        if seconds > 0.0 {
-            random_seconds += started.elapsed().as_secs_f64() * random / seconds;
-        }
-        held.extend(results.into_iter().flatten());
-        if late.load(Ordering::Relaxed) {
-            if held.iter().any(|held| held.timeout == Some(Timeout::Hung)) {
-                stopped = Some("the implementation hangs".to_owned());
-            }
-            break;
-        }
-        let failed = |held: &Held| !held.findings.is_empty();
-        if let Some((last, _)) =
-            held.iter().enumerate().filter(|(_, held)| failed(held)).nth(options.errors.max(1) - 1)
-        {
-            held.truncate(last + 1);
-            if held.len() < planned.len() {
-                stopped = Some(format!("{} sessions fail", options.errors.max(1)));
-            }
-            break;
-        }
-    }
-    let failures = failures(dut, kind, planned, &held, options)?;
+    let Gathered { held, stopped, random_seconds, shrinking } =
+        gather(dut, kind, planned, options, progress)?;
+    let failures = failures(dut, kind, planned, &held, (options, &shrinking))?;
     Ok(Summary { name, kind, planned, held: &held, options }.report(failures, stopped, random_seconds))
 }
 
 impl Planned {
     /// The session, which is made where it is random.
-    fn session(&self, kind: &dyn Kind, options: &Options) -> Session {
+    pub(crate) fn session(&self, kind: &dyn Kind, options: &Options) -> Session {
         let session = match self {
             Self::Directed(session) => (**session).clone(),
             Self::Random { seed, requests } => kind.random(*seed, *requests),
@@ -260,39 +192,13 @@ impl Planned {
     }
 }
 
-fn hold(
-    dut: &dyn Dut,
-    kind: &dyn Kind,
-    (place, planned): (usize, &Planned),
-    options: &Options,
-) -> Result<Held> {
-    let session = planned.session(kind, options);
-    let mut judge = Judge::new(kind, &session, options.highest());
-    let began = Instant::now();
-    let Ending { timeout, stderr } = dut.converse(&session, &mut judge)?;
-    let random = matches!(planned, Planned::Random { .. });
-    let observed = kind.levels().iter().copied().filter(|&level| judge.observed(level)).collect();
-    Ok(Held {
-        row: session.requirement.clone().unwrap_or_else(|| if random { RANDOM } else { GIVEN }.to_owned()),
-        place,
-        stderr: if judge.findings().is_empty() { String::new() } else { stderr },
-        findings: judge.findings().to_vec(),
-        unsupported: judge.unsupported().map(str::to_owned),
-        observed,
-        answered: judge.answered(),
-        random,
-        seconds: began.elapsed().as_secs_f64(),
-        timeout,
-    })
-}
-
 /// Of each requirement and level the first session that fails, shrunk.
 fn failures(
     dut: &dyn Dut,
     kind: &dyn Kind,
     planned: &[Planned],
     held: &[Held],
-    options: &Options,
+    how: (&Options, &Stop),
 ) -> Result<Vec<Failure>> {
     let mut chosen: Vec<(usize, &Finding)> = Vec::new();
     for (place, session) in held.iter().enumerate() {
@@ -308,8 +214,8 @@ fn failures(
     }
     chosen.truncate(SHOWN_FAILURES);
     let of = |&(place, finding): &(usize, &Finding)| {
-        let session = planned[held[place].place].session(kind, options);
-        failure(dut, kind, &session, finding, &held[place], options)
+        let session = planned[held[place].place].session(kind, how.0);
+        failure(dut, kind, &session, finding, &held[place], how)
     };
     chosen.par_iter().map(of).collect()
 }
@@ -320,12 +226,12 @@ fn failure(
     session: &Session,
     finding: &Finding,
     held: &Held,
-    options: &Options,
+    (options, stop): (&Options, &Stop),
 ) -> Result<Failure> {
     let mut trouble = None;
     let mut fails = |session: &Session| {
         let mut judge = Judge::new(kind, session, options.highest());
-        if let Err(error) = dut.converse(session, &mut judge) {
+        if let Err(error) = dut.converse(session, &mut judge, stop) {
             trouble.get_or_insert(error);
             return None;
         }
@@ -333,13 +239,12 @@ fn failure(
             |found: &&Finding| found.level == finding.level && found.requirement == finding.requirement;
         judge.findings().iter().find(same).cloned()
     };
-    let hangs = held.timeout.is_some();
-    let (minimal, finding) = if hangs {
+    let Shrunk { session: minimal, finding, cut_short } = if held.timeout.is_some() || stop.has_come() {
         // Each try would take the time limit again: only what was not asked for yet is left out.
-        let asked = finding.request.map_or(usize::MAX, |request| request + 1);
-        (session.with_requests(session.requests().take(asked)), finding.clone())
+        let session = session.with_requests(session.requests().take(finding.asked_by_then()));
+        Shrunk { session, finding: finding.clone(), cut_short: true }
     } else {
-        shrink(kind, session, finding, &mut fails)
+        shrink(kind, session, finding, stop, &mut fails)
     };
     if let Some(error) = trouble {
         return Err(error);
@@ -362,9 +267,10 @@ fn failure(
         idea: session.idea.clone(),
         says: finding.says.clone(),
         suite: minimal.to_suite(),
-        minimal: String::from_utf8_lossy(minimal.text()).lines().map(str::to_owned).collect(),
+        minimal: shown_lines(minimal.text()),
         minimal_requests: minimal.requests().count(),
         found_requests: session.requests().count(),
+        cut_short,
         state_before: finding.request.map(|request| kind.state_before(&minimal, request)).unwrap_or_default(),
         asked: finding.asked.clone(),
         expected: finding.expected.clone(),

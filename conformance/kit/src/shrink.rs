@@ -3,6 +3,7 @@
 use crate::judge::Finding;
 use crate::kind::Kind;
 use crate::session::Session;
+use crate::stop::Stop;
 
 /// Conversations that are held at most to shrink one session.
 const MAX_TRIES: usize = 1000;
@@ -10,23 +11,37 @@ const MAX_TRIES: usize = 1000;
 /// Runs a session; what it finds, if it fails in the same way.
 pub type Fails<'a> = dyn FnMut(&Session) -> Option<Finding> + 'a;
 
+/// What shrinking gave.
+#[derive(Clone, Debug)]
+pub struct Shrunk {
+    /// The shortest session that was found.
+    pub session: Session,
+    /// What fails in it.
+    pub finding: Finding,
+    /// Whether time, or tries, ran out: there may be shorter ones.
+    pub cut_short: bool,
+}
+
 /// A session that fails like `session` and from which no single request can be left out, in the
-/// simplest configuration that was found.
+/// simplest configuration that was found; when `stop` comes, the shortest by then.
 pub fn shrink(
     kind: &dyn Kind,
     session: &Session,
     finding: &Finding,
+    stop: &Stop,
     fails: &mut Fails<'_>,
-) -> (Session, Finding) {
+) -> Shrunk {
     let requests = session.requests().map(<[u8]>::to_vec).collect();
+    let (session, finding) = (session.clone(), finding.clone());
     let mut shrinking =
-        Shrinking { kind, session: session.clone(), requests, finding: finding.clone(), fails, tries: 0 };
+        Shrinking { kind, session, requests, finding, stop, fails, tries: 0, cut_short: false };
     shrinking.cut();
     shrinking.leave_out();
     shrinking.simplify_session();
     shrinking.simplify_config();
     shrinking.simplify_requests();
-    (shrinking.session, shrinking.finding)
+    let Shrinking { session, finding, cut_short, .. } = shrinking;
+    Shrunk { session, finding, cut_short }
 }
 
 struct Shrinking<'a, 'f> {
@@ -35,14 +50,25 @@ struct Shrinking<'a, 'f> {
     session: Session,
     requests: Vec<Vec<u8>>,
     finding: Finding,
+    stop: &'a Stop,
     fails: &'a mut Fails<'f>,
     tries: usize,
+    cut_short: bool,
 }
 
 impl Shrinking<'_, '_> {
+    /// Whether nothing more is tried.
+    fn is_over(&self) -> bool {
+        self.tries == MAX_TRIES || self.stop.has_come()
+    }
+
     /// Takes `session` for the shortest if it fails.
     fn take(&mut self, session: Session) -> bool {
-        if self.tries == MAX_TRIES || self.kind.check(&session).is_err() {
+        if self.kind.check(&session).is_err() {
+            return false;
+        }
+        if self.is_over() {
+            self.cut_short = true;
             return false;
         }
         self.tries += 1;
@@ -83,7 +109,7 @@ impl Shrinking<'_, '_> {
             }
             if part > 1 {
                 part /= 2;
-            } else if !left_out || self.tries == MAX_TRIES {
+            } else if !left_out || self.is_over() {
                 return;
             }
         }

@@ -12,6 +12,7 @@ use saarcor_kit::level::Level;
 use saarcor_kit::report::{Failure, Verdict};
 use saarcor_kit::run::{Options, default_suite, run};
 use saarcor_kit::session::Session;
+use saarcor_kit::stop::Stop;
 use saarcor_kit::target::{How, Target};
 use saarcor_kit::templates::{Fault, TEMPLATES, faults};
 use saarcor_kit::vm::config;
@@ -66,9 +67,15 @@ fn alphabet(failure: &Session) -> Vec<String> {
     requests
 }
 
-/// Whether any session of `length` requests fails.
+/// Sessions that are tried of a length: of longer ones there are too many.
+const MOST_TRIED: usize = 2500;
+
+/// Whether any session of `length` requests fails, as far as that can be tried.
 fn some_fail(dut: &dyn Dut, kind: &dyn Kind, failure: &Session, length: usize) -> bool {
     let alphabet = alphabet(failure);
+    if alphabet.len().pow(length as u32) > MOST_TRIED {
+        return false;
+    }
     (0..alphabet.len().pow(length as u32)).any(|mut number| {
         let requests: Vec<_> = (0..length)
             .map(|_| {
@@ -79,7 +86,7 @@ fn some_fail(dut: &dyn Dut, kind: &dyn Kind, failure: &Session, length: usize) -
             .collect();
         let session = failure.with_requests(requests);
         let mut judge = Judge::new(kind, &session, Level::HIGHEST);
-        dut.converse(&session, &mut judge).expect("it runs");
+        dut.converse(&session, &mut judge, &Stop::never()).expect("it runs");
         !judge.findings().is_empty()
     })
 }
@@ -89,13 +96,19 @@ const IN_PYTHON: [&str; 5] = ["python", "hash", "meta", "kd-python", "chip-pytho
 
 #[test]
 fn every_fault_is_found_for_its_requirement_by_few_requests() {
-    all_are_found(|fault| !IN_PYTHON.contains(&fault.template.as_str()));
+    all_are_found(|fault| !IN_PYTHON.contains(&fault.template.as_str()) && fault.template != "verilog");
 }
 
 #[test]
 #[ignore = "starts Python thousands of times"]
 fn every_fault_in_python_is_found_for_its_requirement_by_few_requests() {
     all_are_found(|fault| IN_PYTHON.contains(&fault.template.as_str()));
+}
+
+#[test]
+#[ignore = "needs Icarus Verilog"]
+fn verilog_faults_are_found_for_their_requirements_by_few_requests() {
+    all_are_found(|fault| fault.template == "verilog");
 }
 
 fn all_are_found(among: impl Fn(&Fault) -> bool + Sync) {

@@ -11,6 +11,7 @@ use saarcor_kit::level::Level;
 use saarcor_kit::random::Random;
 use saarcor_kit::serve::serve;
 use saarcor_kit::session::Session;
+use saarcor_kit::stop::Stop;
 use saarcor_kit::target::DutFile;
 
 /// Mutations of each suite by default; `--ignored` takes several times as many.
@@ -78,8 +79,13 @@ fn suites_and_answers(mutations: u64) {
                     kind.simpler_requests(session, request);
                 }
                 let mut judge = Judge::new(kind, session, Level::HIGHEST);
-                saarcor_kit::dut::Dut::converse(&InProcess::oracle(Oracle::Naive), session, &mut judge)
-                    .expect("it runs");
+                saarcor_kit::dut::Dut::converse(
+                    &InProcess::oracle(Oracle::Naive),
+                    session,
+                    &mut judge,
+                    &Stop::never(),
+                )
+                .expect("it runs");
                 assert_eq!(judge.findings(), []);
             }
         }

@@ -11,7 +11,11 @@ const LIMIT: Duration = Duration::from_secs(1);
 
 /// Runs the default suite with a command line of which the report must be there in time.
 fn report_on(command: &str) -> Report {
-    let dut = Process { command: command.to_owned(), folder: None, time_limit: LIMIT };
+    report_within(LIMIT, command)
+}
+
+fn report_within(time_limit: Duration, command: &str) -> Report {
+    let dut = Process { command: command.to_owned(), folder: None, time_limit };
     let options = Options { requests: 24, errors: 1, ..Options::default() };
     let planned = default_suite(&Vm, &options).expect("suites");
     run(command, &dut, &Vm, &planned, &options, &|_| ()).expect("it runs")
@@ -33,7 +37,7 @@ fn one_that_hangs() {
     for command in ["read x; sleep 1000", "while :; do :; done", &format!("{HELLO} sleep 1000")] {
         let report = report_on(command);
         // Those that run at the same time end with it, and no others begin.
-        assert!(report.sessions <= rayon::current_num_threads() && report.stopped.is_some());
+        assert!(report.sessions <= rayon::current_num_threads() + 1 && report.stopped.is_some());
         let failure = &report.failures[0];
         assert!(
             failure.requirement == "P-8" && failure.says.contains("1 s"),
@@ -77,10 +81,12 @@ fn one_that_answers_too_early() {
 
 #[test]
 fn one_that_answers_too_much() {
-    let (requirement, _) = rejected(&format!("{HELLO} read x; echo end; echo more"));
-    assert_eq!(requirement, "P-4");
-    let (requirement, _) = rejected(&format!("{HELLO} read x; echo end; printf more"));
-    assert_eq!(requirement, "P-4");
+    // None of these hangs: a limit that a busy machine does not reach.
+    let limit = Duration::from_secs(60);
+    for more in ["echo more", "printf more"] {
+        let report = report_within(limit, &format!("{HELLO} read x; echo end; {more}"));
+        assert_eq!(report.failures[0].requirement, "P-4", "{more}");
+    }
 }
 
 #[test]
@@ -138,5 +144,10 @@ fn alive(word: &str) -> usize {
 fn no_process_of_its_group_is_left() {
     let word = "1000.0625";
     rejected(&format!("sleep {word} & sleep {word}; wait"));
+    // A killed process takes a moment to be gone.
+    let began = std::time::Instant::now();
+    while alive(word) > 0 && began.elapsed() < Duration::from_secs(10) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
     assert_eq!(alive(word), 0);
 }

@@ -44,15 +44,15 @@ fn section(failure: &Failure) -> String {
         rows => format!("<dt>{name}</dt><dd><pre>{}</pre></dd>\n", escaped(rows)),
     };
     format!(
-        "<section>\n<h2>{} at level {}</h2>\n<p>{}</p>\n<p class=\"idea\">{} ({}, shrunk from {} requests to {})</p>\n\
+        "<section>\n<h2>{} at level {}</h2>\n<p>{}</p>\n<p class=\"idea\">{} ({}: {} requests, {})</p>\n\
          <pre>{lines}</pre>\n<dl>\n{}{}{}{}{}{}</dl>\n</section>\n",
         escaped(&failure.requirement),
         failure.level,
         escaped(&failure.says),
         escaped(&failure.idea),
         escaped(&failure.session),
-        failure.found_requests,
         failure.minimal_requests,
+        escaped(&failure.shrunk()),
         part("asked", &failure.asked),
         part("expected", &failure.expected),
         part("got", if failure.got.is_empty() { "nothing" } else { &failure.got }),

@@ -25,6 +25,7 @@ use saarcor_kit::{KINDS, child, kind_named, library};
 use std::fs;
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 /// Whether another implementation of the virtual memory is right, and if not, where
 #[derive(Debug, clap::Args)]
@@ -145,7 +146,7 @@ impl RunArgs {
         let mut report = report?;
         self.keep_minimal(&mut report)?;
         if let Some(file) = junit {
-            let text = report.junit()?;
+            let text = report.junit(SystemTime::now())?;
             file.write(|out| Ok(out.write_all(text.as_bytes())?))?;
         }
         if let Some(file) = html {
