@@ -11,7 +11,7 @@ mod report;
 mod unit;
 mod wheel;
 
-pub use report::{CacheReport, Observer, Report, Stall, Traffic, UnitReport};
+pub use report::{Cache, CacheReport, Found, Observer, Report, Stall, Traffic, UnitReport};
 
 use crate::chip_config::{ChipConfig, ConfigError, MAX_COUNT, Version};
 use crate::memory::Port;
@@ -39,7 +39,8 @@ pub fn simulate(
     simulate_observed(before, programs, config, &mut ())
 }
 
-/// [`simulate`], telling `observer` each transfer as soon as its times are known.
+/// [`simulate`], telling `observer` what each packet does: of a transfer, as soon as its times are
+/// known.
 ///
 /// # Errors
 /// If the configuration makes no chip.
@@ -49,9 +50,29 @@ pub fn simulate_observed(
     config: &ChipConfig,
     observer: &mut impl Observer,
 ) -> Result<Report, ConfigError> {
+    simulate_part(before, programs, &vec![true; programs.packets.len()], config, observer)
+}
+
+/// [`simulate_observed`] for those packets whose place in `in_time` is true. The others take no
+/// time and count in no report: when their turn to be handed out comes, they leave in the caches what
+/// they read, and `observer` is told what they look up and move (CH-21).
+///
+/// # Errors
+/// If the configuration makes no chip.
+///
+/// # Panics
+/// If `in_time` has not one place for each packet.
+pub fn simulate_part(
+    before: &[Programs],
+    programs: &Programs,
+    in_time: &[bool],
+    config: &ChipConfig,
+    observer: &mut impl Observer,
+) -> Result<Report, ConfigError> {
+    assert_eq!(in_time.len(), programs.packets.len(), "each packet is in time or not");
     config.check()?;
-    let mut chip = Chip::new(programs, config, observer);
-    before.iter().for_each(|programs| chip.warm(programs));
+    let mut chip = Chip::new(programs, in_time, config, observer);
+    chip.warm(before);
     Ok(chip.run())
 }
 
@@ -83,6 +104,8 @@ enum Stage {
 }
 
 struct Thread<'a> {
+    /// Number of its packet, in the order in which packets are handed out.
+    packet: u32,
     /// What is still to do after the operation at hand.
     program: &'a [Operation],
     /// Of the operation at hand, the unit, its rays, and the first-level line that the thread waits
@@ -112,6 +135,8 @@ struct Loading {
     line: LineAddr,
     card: u64,
     there: u64,
+    /// The packet that missed it.
+    packet: u32,
 }
 
 /// The member of `mask` that follows `last`, round and round.
@@ -140,6 +165,10 @@ struct Chip<'a, O> {
     now: u64,
     /// Packets not yet begun, in order.
     packets: std::slice::Iter<'a, Box<[Operation]>>,
+    /// Which packets take time.
+    in_time: &'a [bool],
+    /// Packets handed out.
+    handed_out: u32,
     /// Pipelines with a free thread, and the one that got a packet last.
     with_free: u64,
     last_pipeline: u32,
@@ -179,10 +208,11 @@ struct Chip<'a, O> {
 }
 
 impl<'a, O: Observer> Chip<'a, O> {
-    fn new(programs: &'a Programs, config: &'a ChipConfig, observer: &'a mut O) -> Self {
+    fn new(programs: &'a Programs, in_time: &'a [bool], config: &'a ChipConfig, observer: &'a mut O) -> Self {
         let (pipelines, threads) = (config.pipelines as usize, config.threads as usize);
         let numbers = pipelines * THREADS as usize;
         let thread = || Thread {
+            packet: 0,
             program: &[],
             port: Port::Shading,
             rays: 0,
@@ -198,6 +228,8 @@ impl<'a, O: Observer> Chip<'a, O> {
             observer,
             now: 0,
             packets: programs.packets.iter(),
+            in_time,
+            handed_out: 0,
             with_free: all(pipelines),
             last_pipeline: NOBODY,
             free: vec![all(threads); pipelines],
@@ -227,24 +259,56 @@ impl<'a, O: Observer> Chip<'a, O> {
         }
     }
 
-    /// The caches after a picture whose packets are worked on one after the other (CH-19).
-    fn warm(&mut self, programs: &Programs) {
-        let mut moves = Vec::new();
-        for &Operation { addr, bytes, port, .. } in programs.packets.iter().flatten() {
-            if bytes == 0 {
-                continue;
+    /// The caches after pictures whose packets are worked on one after the other (CH-19).
+    fn warm(&mut self, before: &[Programs]) {
+        for operation in before.iter().flat_map(|programs| &programs.packets).flatten() {
+            self.read_at_once(operation, None);
+        }
+    }
+
+    /// Reads what an operation reads, without time. The observer is told if it is that of a packet.
+    fn read_at_once(&mut self, operation: &Operation, packet: Option<u32>) {
+        if operation.bytes == 0 {
+            return;
+        }
+        let cache = operation.port as usize;
+        let (first, last) = self.l1[cache].lines_of(operation);
+        for line in first..=last {
+            let outcome = self.l1[cache].directory.access(LineAddr(line));
+            let missed = matches!(outcome, Outcome::Miss { .. });
+            if let Some(packet) = packet {
+                let found = if missed { Found::Missing } else { Found::Resident };
+                self.observer.look_up(packet, Cache::L1(cache), found);
             }
-            let cache = port as usize;
-            let (first, last) = self.l1[cache].lines_of(addr, bytes);
-            for line in first..=last {
-                if let Outcome::Miss { .. } = self.l1[cache].directory.access(LineAddr(line)) {
-                    for (addr, _) in self.parts(cache, line) {
-                        self.tags.locate(HostAddr(addr), &mut moves);
-                        moves.clear();
-                    }
+            if missed {
+                for (addr, bytes) in self.parts(cache, line) {
+                    self.locate_at_once(addr, bytes, packet);
                 }
             }
         }
+    }
+
+    /// Looks up the tag of a part, and moves it and its metadata, without time.
+    fn locate_at_once(&mut self, addr: u32, bytes: u32, packet: Option<u32>) {
+        let mut moves = std::mem::take(&mut self.moves);
+        let Place { card, missed } = self.tags.locate(HostAddr(addr), &mut moves);
+        if let Some(packet) = packet {
+            let (sdram, now) = (self.config.sdram, Span { begin: self.now, end: self.now });
+            let found = if missed { Found::Missing } else { Found::Resident };
+            self.observer.look_up(packet, Cache::L2, found);
+            for step in &moves {
+                let traffic = match step.direction {
+                    Direction::Read => Traffic::MetadataRead,
+                    Direction::Write => Traffic::MetadataWriteBack,
+                };
+                let granule = u64::from(self.config.metadata_cache.granule.max(sdram.beat_bytes));
+                self.observer.transfer(packet, traffic, now, granule);
+            }
+            let moved = sdram.beats(card, bytes.into()) * u64::from(sdram.beat_bytes);
+            self.observer.transfer(packet, Traffic::L1Fill, now, moved);
+        }
+        moves.clear();
+        self.moves = moves;
     }
 
     /// Address and size of the parts of a first-level line: one for each line of the virtual memory
@@ -353,10 +417,10 @@ impl<'a, O: Observer> Chip<'a, O> {
     /// that wait for it, in their order (CH-15).
     fn line_from_host(&mut self) {
         while self.loading.front().is_some_and(|loading| loading.there <= self.now)
-            && let Some(Loading { line, card, .. }) = self.loading.pop_front()
+            && let Some(Loading { line, card, packet, .. }) = self.loading.pop_front()
         {
             let bytes = self.config.cache.geometry.line().0;
-            self.transfer(Traffic::VmFill, card, bytes);
+            self.transfer(packet, Traffic::VmFill, card, bytes);
             let mut place = 0;
             while place < self.waiting.len() {
                 if self.waiting[place].0 != line {
@@ -389,7 +453,7 @@ impl<'a, O: Observer> Chip<'a, O> {
                 loading.there = span.end;
                 *self.report.moved(Traffic::Pci) += bytes;
                 self.report.pci_busy += span.end - span.begin;
-                self.observer.transfer(Traffic::Pci, span, bytes);
+                self.observer.transfer(part.packet, Traffic::Pci, span, bytes);
             }
             self.waiting.push((line, part, card));
             let way = self.on_the_way(part);
@@ -405,7 +469,7 @@ impl<'a, O: Observer> Chip<'a, O> {
         if self.with_free == 0 {
             return;
         }
-        let Some(program) = self.packets.next() else { return };
+        let Some((packet, program)) = self.next_in_time() else { return };
         let pipeline = round_robin(self.with_free, self.last_pipeline);
         self.last_pipeline = pipeline;
         let free = &mut self.free[pipeline as usize];
@@ -415,8 +479,23 @@ impl<'a, O: Observer> Chip<'a, O> {
             self.with_free &= !(1 << pipeline);
         }
         self.working += 1;
-        self.threads[thread as usize].program = program;
+        self.observer.begin(packet, self.now);
+        let thread_at_hand = &mut self.threads[thread as usize];
+        (thread_at_hand.packet, thread_at_hand.program) = (packet, program);
         self.begin(thread);
+    }
+
+    /// The next packet that takes time, with its number. Those before it are done at once (CH-21).
+    fn next_in_time(&mut self) -> Option<(u32, &'a [Operation])> {
+        loop {
+            let program = self.packets.next()?;
+            let packet = self.handed_out;
+            self.handed_out += 1;
+            if self.in_time[packet as usize] {
+                return Some((packet, program));
+            }
+            program.iter().for_each(|operation| self.read_at_once(operation, Some(packet)));
+        }
     }
 
     /// Phase 6: units that are free take the next packet that is ready (CH-6).
@@ -471,7 +550,7 @@ impl<'a, O: Observer> Chip<'a, O> {
     #[inline]
     fn look_up(&mut self, cache: usize, number: u32) {
         let l1 = &mut self.l1[cache];
-        let line = self.threads[number as usize].line;
+        let Thread { line, packet, .. } = self.threads[number as usize];
         let on_its_way = l1.register_of(line);
         if on_its_way.is_none() && l1.is_full() {
             let index = l1.directory.config.set_of(LineAddr(line));
@@ -486,18 +565,21 @@ impl<'a, O: Observer> Chip<'a, O> {
         let register = match (on_its_way, outcome) {
             (Some(register), _) => {
                 l1.report.merged += 1;
+                self.observer.look_up(packet, Cache::L1(cache), Found::OnItsWay);
                 register
             }
             (None, Outcome::Hit { .. }) => {
+                self.observer.look_up(packet, Cache::L1(cache), Found::Resident);
                 self.wheel.insert(self.now + u64::from(self.config.l1[cache].latency), number);
                 self.wait(number, Stall::LookUp);
                 return;
             }
             (None, Outcome::Miss { .. }) => {
                 l1.report.misses += 1;
+                self.observer.look_up(packet, Cache::L1(cache), Found::Missing);
                 let register = l1.take(line);
                 for (addr, bytes) in self.parts(cache, line) {
-                    let part = Part { addr, bytes, cache: cache as u8, register: register as u8 };
+                    let part = Part { addr, bytes, packet, cache: cache as u8, register: register as u8 };
                     self.l1[cache].parts.push_back(part);
                     self.l1[cache].on_the_way[register].parts += 1;
                 }
@@ -529,9 +611,12 @@ impl<'a, O: Observer> Chip<'a, O> {
         for step in moves.drain(..) {
             let addr = begin + u64::from(step.granule) * granule;
             match step.direction {
-                Direction::Read => ready = ready.max(self.transfer(Traffic::MetadataRead, addr, granule).end),
+                Direction::Read => {
+                    let span = self.transfer(part.packet, Traffic::MetadataRead, addr, granule);
+                    ready = ready.max(span.end);
+                }
                 Direction::Write => {
-                    self.transfer(Traffic::MetadataWriteBack, addr, granule);
+                    self.transfer(part.packet, Traffic::MetadataWriteBack, addr, granule);
                 }
             }
         }
@@ -546,9 +631,15 @@ impl<'a, O: Observer> Chip<'a, O> {
         self.report.l2.accesses += 1;
         self.report.l2.misses += u64::from(loads);
         self.report.l2.merged += u64::from(on_its_way);
+        let found = match (loads, on_its_way) {
+            (true, _) => Found::Missing,
+            (_, true) => Found::OnItsWay,
+            _ => Found::Resident,
+        };
+        self.observer.look_up(part.packet, Cache::L2, found);
         if loads {
             let begin = card - u64::from(self.config.cache.geometry.offset_of(HostAddr(part.addr)));
-            self.loading.push_back(Loading { line, card: begin, there: u64::MAX });
+            self.loading.push_back(Loading { line, card: begin, there: u64::MAX, packet: part.packet });
         }
         // It is acted upon in a later cycle, however short the latency.
         let ready = self.tags_known.max(self.now + 1);
@@ -556,8 +647,8 @@ impl<'a, O: Observer> Chip<'a, O> {
         self.arrival = self.arrival.min(ready);
     }
 
-    /// Moves bytes between the chip and the on-board memory.
-    fn transfer(&mut self, traffic: Traffic, card: u64, bytes: u64) -> Span {
+    /// Moves bytes between the chip and the on-board memory, for a packet.
+    fn transfer(&mut self, packet: u32, traffic: Traffic, card: u64, bytes: u64) -> Span {
         let direction = match traffic {
             Traffic::VmFill | Traffic::MetadataWriteBack => Direction::Write,
             _ => Direction::Read,
@@ -567,13 +658,13 @@ impl<'a, O: Observer> Chip<'a, O> {
         let sdram = self.config.sdram;
         let moved = sdram.beats(card, bytes) * u64::from(sdram.beat_bytes);
         *self.report.moved(traffic) += moved;
-        self.observer.transfer(traffic, span, moved);
+        self.observer.transfer(packet, traffic, span, moved);
         span
     }
 
     /// Reads a part of a first-level line; with the last one, the line returns (CH-16).
     fn read_part(&mut self, part: Part, card: u64) {
-        let span = self.transfer(Traffic::L1Fill, card, part.bytes.into());
+        let span = self.transfer(part.packet, Traffic::L1Fill, card, part.bytes.into());
         let way = self.on_the_way(part);
         way.parts -= 1;
         if way.parts == 0 {
@@ -599,23 +690,23 @@ impl<'a, O: Observer> Chip<'a, O> {
     fn begin(&mut self, number: u32) {
         let (pipeline, bit) = split(number);
         let thread = &mut self.threads[number as usize];
-        let Some((&Operation { addr, bytes, port, rays }, rest)) = thread.program.split_first() else {
+        let Some((operation, rest)) = thread.program.split_first() else {
             self.free[pipeline as usize] |= 1 << bit;
             self.with_free |= 1 << pipeline;
             self.working -= 1;
             return;
         };
-        (thread.program, thread.port, thread.rays) = (rest, port, rays);
-        if bytes == 0 {
+        (thread.program, thread.port, thread.rays) = (rest, operation.port, operation.rays);
+        if operation.bytes == 0 {
             self.ready(number);
             return;
         }
-        let l1 = &mut self.l1[port as usize];
-        (thread.line, thread.last_line) = l1.lines_of(addr, bytes);
+        let l1 = &mut self.l1[operation.port as usize];
+        (thread.line, thread.last_line) = l1.lines_of(operation);
         (thread.stage, thread.stall) = (Stage::Reading, Stall::Port);
-        self.units[unit_of(pipeline, port)].wait(Stall::Port, self.now);
+        self.units[unit_of(pipeline, operation.port)].wait(Stall::Port, self.now);
         l1.ask(pipeline, bit);
-        self.asked |= 1 << port as u32;
+        self.asked |= 1 << operation.port as u32;
     }
 
     /// A thread that waited asks for its line again.

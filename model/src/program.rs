@@ -21,6 +21,21 @@ pub struct Operation {
     pub port: Port,
 }
 
+impl Operation {
+    /// The first and the last of the lines that are read, which are `line` bytes long and begin at
+    /// `base`. Without meaning where nothing is read.
+    #[must_use]
+    #[inline]
+    pub fn lines(&self, base: u32, line: u32) -> (u32, u32) {
+        let from_base = self.addr.0.saturating_sub(base);
+        let (first, offset) = (from_base / line, from_base % line);
+        let last_offset = offset + u32::from(self.bytes).saturating_sub(1);
+        // A division takes as long as all else here, and few reads leave their line.
+        let further = if last_offset < line { 0 } else { last_offset / line };
+        (first, first + further)
+    }
+}
+
 /// The programs of a picture's packets.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Programs {
@@ -31,6 +46,12 @@ pub struct Programs {
 }
 
 impl Programs {
+    /// Where the lines of a first-level cache begin (L1-1).
+    #[must_use]
+    pub fn l1_base(&self, port: Port) -> u32 {
+        if port == Port::Triangle { self.triangles.0 } else { 0 }
+    }
+
     /// Operations of all packets.
     #[must_use]
     pub fn operations(&self) -> u64 {

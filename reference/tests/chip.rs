@@ -2,7 +2,9 @@
 //! rules.
 
 use proptest::prelude::*;
-use saarcor_model::chip::{Observer, Report, Traffic, simulate, simulate_observed};
+use saarcor_model::chip::{
+    Cache, CacheReport, Found, Observer, Report, Traffic, simulate, simulate_observed, simulate_part,
+};
 use saarcor_model::chip_config::{
     ChipConfig, L1Config, MetadataCacheConfig, UNIT_NAMES, UnitConfig, Version,
 };
@@ -128,7 +130,7 @@ struct Transfers {
 }
 
 impl Observer for Transfers {
-    fn transfer(&mut self, traffic: Traffic, span: Span, bytes: u64) {
+    fn transfer(&mut self, _: u32, traffic: Traffic, span: Span, bytes: u64) {
         let bus = if traffic == Traffic::Pci { &mut self.pci } else { &mut self.memory };
         bus.push((span, bytes));
     }
@@ -182,6 +184,90 @@ fn no_window_exceeds_a_bus() {
             assert!(rate(report.pci_bytes as f64, report.cycles as f64) > 0.98 * 124.0e6);
         }
         sums_hold(&report, &config);
+    }
+}
+
+/// What packets are told to do, summed up.
+#[derive(Default)]
+struct Sums {
+    l1: [CacheReport; 4],
+    l2: CacheReport,
+    bytes: u64,
+    begun: Vec<u32>,
+}
+
+impl Observer for Sums {
+    fn transfer(&mut self, _: u32, traffic: Traffic, _: Span, bytes: u64) {
+        self.bytes += if traffic == Traffic::Pci { 0 } else { bytes };
+    }
+
+    fn look_up(&mut self, _: u32, cache: Cache, found: Found) {
+        let report = match cache {
+            Cache::L1(unit) => &mut self.l1[unit],
+            Cache::L2 => &mut self.l2,
+        };
+        report.accesses += 1;
+        report.merged += u64::from(found == Found::OnItsWay);
+        report.misses += u64::from(found == Found::Missing);
+    }
+
+    fn begin(&mut self, packet: u32, _: u64) {
+        self.begun.push(packet);
+    }
+}
+
+#[test]
+fn what_packets_do_adds_up_to_the_report() {
+    let programs = scattered(90, 40, Port::Triangle, 36);
+    for version in [Version::None, Version::A, Version::B] {
+        let config = standard(version);
+        let mut sums = Sums::default();
+        let report = simulate_observed(&[], &programs, &config, &mut sums).expect("a chip");
+        assert_eq!((sums.l1, sums.l2), (report.l1, report.l2));
+        assert_eq!(sums.bytes, report.memory_bytes());
+        assert_eq!(sums.begun, (0..90).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn packets_out_of_time_only_warm_the_caches() {
+    let programs = scattered(90, 40, Port::Triangle, 36);
+    for version in [Version::None, Version::A, Version::B] {
+        let config = standard(version);
+        let run = |in_time: &[bool]| {
+            let mut sums = Sums::default();
+            let report = simulate_part(&[], &programs, in_time, &config, &mut sums).expect("a chip");
+            (report, sums.begun)
+        };
+        let last_50: Vec<_> = (0..90).map(|packet| packet >= 40).collect();
+        let part = |packets: std::ops::Range<usize>| Programs {
+            packets: programs.packets[packets].to_vec(),
+            triangles: programs.triangles,
+        };
+        let (begin, end) = (part(0..40), part(40..90));
+        let (report, begun) = run(&last_50);
+        assert_eq!(report, simulate(&[begin], &end, &config).expect("a chip"));
+        assert_eq!(begun, (40..90).collect::<Vec<_>>());
+        assert_eq!(run(&[false; 90]), (Report::default(), Vec::new()));
+    }
+}
+
+/// With one thread the order of look-ups is that of the packets, in time or not; then only what is on
+/// its way differs, of which a single thread has nothing.
+#[test]
+fn look_ups_without_time_are_those_of_one_thread() {
+    let programs = scattered(20, 40, Port::Triangle, 36);
+    for version in [Version::None, Version::A, Version::B] {
+        let config = ChipConfig { pipelines: 1, threads: 1, ..standard(version) };
+        let mut sums = Sums::default();
+        simulate_part(&[], &programs, &[false; 20], &config, &mut sums).expect("a chip");
+        let report = simulate(&[], &programs, &config).expect("a chip");
+        assert_eq!(sums.l1, report.l1);
+        assert_eq!(
+            (sums.l2.accesses, sums.l2.misses),
+            (report.l2.accesses, report.l2.misses + report.l2.merged)
+        );
+        assert_eq!(sums.bytes + report.vm_fill_bytes, report.memory_bytes());
     }
 }
 

@@ -3,8 +3,7 @@
 use super::{CacheReport, NOBODY, NONE, members, round_robin};
 use crate::chip_config::{CHIP_CACHE_WAYS, ChipConfig};
 use crate::memory::Port;
-use crate::program::Programs;
-use crate::units::HostAddr;
+use crate::program::{Operation, Programs};
 use crate::vm::Directory;
 use std::collections::VecDeque;
 
@@ -59,6 +58,8 @@ impl OnTheWay {
 pub(super) struct Part {
     pub(super) addr: u32,
     pub(super) bytes: u32,
+    /// The packet that missed the line.
+    pub(super) packet: u32,
     pub(super) cache: u8,
     pub(super) register: u8,
 }
@@ -68,7 +69,7 @@ impl L1 {
         let (pipelines, threads) = (config.pipelines as usize, config.threads as usize);
         let l1 = config.l1[port as usize];
         Self {
-            base: if port == Port::Triangle { programs.triangles.0 } else { 0 },
+            base: programs.l1_base(port),
             line: l1.line,
             directory: Directory::new(ChipConfig::chip_cache(l1.sets)),
             asking: 0,
@@ -84,15 +85,10 @@ impl L1 {
         }
     }
 
-    /// The first and the last line of the `bytes > 0` at `addr`.
+    /// The first and the last line that an operation reads.
     #[inline]
-    pub(super) fn lines_of(&self, addr: HostAddr, bytes: u16) -> (u32, u32) {
-        let from_base = addr.0.saturating_sub(self.base);
-        let (first, offset) = (from_base / self.line, from_base % self.line);
-        let last_offset = offset + (u32::from(bytes) - 1);
-        // A division takes as long as all else here, and few reads leave their line.
-        let further = if last_offset < self.line { 0 } else { last_offset / self.line };
-        (first, first + further)
+    pub(super) fn lines_of(&self, operation: &Operation) -> (u32, u32) {
+        operation.lines(self.base, self.line)
     }
 
     /// First address of a line, and the one behind it.

@@ -38,19 +38,53 @@ pub enum Traffic {
     Pci,
 }
 
-/// Is told of each transfer of a run.
+/// A cache of the chip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cache {
+    /// The first-level cache of the unit of this place in
+    /// [`Port::ALL`](crate::memory::Port::ALL).
+    L1(usize),
+    /// The on-board memory.
+    L2,
+}
+
+/// What a look-up finds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Found {
+    /// The line is there.
+    Resident,
+    /// The line is on its way.
+    OnItsWay,
+    /// The line has to be fetched.
+    Missing,
+}
+
+/// Is told what each packet of a run does: packets count in the order in which they are handed
+/// out. Over all packets, what is told adds up to the [`Report`].
 pub trait Observer {
-    /// `bytes` move for `traffic` during `span`.
-    fn transfer(&mut self, traffic: Traffic, span: Span, bytes: u64);
+    /// `bytes` move for `traffic` during `span`, because `packet` was the first to miss them.
+    fn transfer(&mut self, packet: u32, traffic: Traffic, span: Span, bytes: u64) {
+        let _ = (packet, traffic, span, bytes);
+    }
+
+    /// `packet` looks a line up.
+    fn look_up(&mut self, packet: u32, cache: Cache, found: Found) {
+        let _ = (packet, cache, found);
+    }
+
+    /// A thread begins `packet`.
+    fn begin(&mut self, packet: u32, cycle: u64) {
+        let _ = (packet, cycle);
+    }
 
     /// Of the on-board memory, `bytes` at `card` are asked for in cycle `now`: the transfer follows.
-    fn request(&mut self, _now: u64, _card: u64, _bytes: u64, _direction: Direction) {}
+    fn request(&mut self, now: u64, card: u64, bytes: u64, direction: Direction) {
+        let _ = (now, card, bytes, direction);
+    }
 }
 
 /// Nobody listens.
-impl Observer for () {
-    fn transfer(&mut self, _: Traffic, _: Span, _: u64) {}
-}
+impl Observer for () {}
 
 /// The cycles of all units of one type: `busy + stalls + idle` = cycles × pipelines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
