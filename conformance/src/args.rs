@@ -137,8 +137,10 @@ impl FrameRange {
 /// Pixels a row and rows: `1024x768`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Resolution {
-    width: u32,
-    height: u32,
+    /// Pixels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
 }
 
 /// Most pixels a row and most rows.

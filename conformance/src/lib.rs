@@ -14,6 +14,7 @@
 //! | [`render`] | pictures |
 //! | [`walk`] | step one of §4: the traffic of a walk through a scene |
 //! | [`simulate`] | step two of §4: a frame on the chip, cycle by cycle |
+//! | [`sampling`] | both steps from a part of the packets, with intervals |
 //! | [`sweep`] | one frame on many chips |
 //! | [`curve`] | the costs of a sweep as curves |
 //! | [`crosscheck`] | the model, the exact judge and Embree, ray by ray |
@@ -43,6 +44,7 @@ pub mod progress;
 pub mod prove;
 pub mod render;
 pub mod reproduce;
+pub mod sampling;
 pub mod simulate;
 pub mod standard;
 pub mod summary;

@@ -1,11 +1,13 @@
 //! Step two of §4: frames on the chip, exact to the cycle.
 //!
-//! [`record`] traces a frame once, on all cores; [`simulate`](saarcor_model::chip::simulate) plays
-//! what was recorded on any number of chips; [`Row`] is what is printed of a run.
+//! [`record`] traces a frame once, on all cores, [`record_part`] some of its packets;
+//! [`simulate`](saarcor_model::chip::simulate) plays what was recorded on any number of chips; [`Row`] is
+//! what is printed of a run.
 
 use crate::render::{Picture, put_packet};
 use crate::walk::{PacketSize, TraceOptions};
 use crate::world::World;
+use glam::Vec3;
 use image::RgbImage;
 use rayon::prelude::*;
 use saarcor_model::chip::{CacheReport, Report, Stall, UnitReport};
@@ -32,7 +34,8 @@ pub enum PacketOrder {
 
 impl PacketOrder {
     /// The numbers of the packets, in scan order, of a picture of `columns` × `rows` tiles.
-    fn packets(self, (columns, rows): (u32, u32)) -> Vec<u32> {
+    #[must_use]
+    pub fn packets(self, (columns, rows): (u32, u32)) -> Vec<u32> {
         let mut packets: Vec<u32> = (0..columns * rows).collect();
         if self == Self::Morton {
             packets.sort_by_key(|packet| spread(packet % columns) | spread(packet / columns) << 1);
@@ -97,28 +100,81 @@ fn record_packets<const N: usize>(
 ) -> Recording {
     let (width, height) = options.resolution;
     let frame = Frame::new(&world.path[frame], width, height);
-    let registers = &world.image.registers;
-    let mut packets: Vec<Box<[Operation]>> = Vec::with_capacity(frame.packets::<N>() as usize);
+    let order = order.packets(frame.tiles::<N>());
+    let mut packets: Vec<Box<[Operation]>> = Vec::with_capacity(order.len());
     let mut pixels = RgbImage::new(width, height);
     let mut rays = RayCounts::default();
+    trace_packets::<N>(world, &frame, options.max_bounces, &order, &mut |traced| {
+        packets.push(traced.program);
+        put_packet(&mut pixels, &frame, traced.packet, traced.colours);
+        rays += traced.rays;
+    });
+    let programs = Programs { packets, triangles: world.image.registers.triangles };
+    Recording { programs, picture: Picture { pixels, rays } }
+}
+
+/// What some packets of a frame do, in their order, and the rays of each.
+#[must_use]
+pub fn record_part(
+    world: &World,
+    frame: usize,
+    options: &TraceOptions,
+    packets: &[u32],
+) -> Vec<(Box<[Operation]>, RayCounts)> {
+    match options.packet {
+        PacketSize::Rays1 => programs_of::<1>(world, frame, options, packets),
+        PacketSize::Rays4 => programs_of::<4>(world, frame, options, packets),
+        PacketSize::Rays16 => programs_of::<16>(world, frame, options, packets),
+        PacketSize::Rays64 => programs_of::<64>(world, frame, options, packets),
+    }
+}
+
+fn programs_of<const N: usize>(
+    world: &World,
+    frame: usize,
+    options: &TraceOptions,
+    packets: &[u32],
+) -> Vec<(Box<[Operation]>, RayCounts)> {
+    let (width, height) = options.resolution;
+    let frame = Frame::new(&world.path[frame], width, height);
+    let mut programs = Vec::with_capacity(packets.len());
+    trace_packets::<N>(world, &frame, options.max_bounces, packets, &mut |traced| {
+        programs.push((traced.program, traced.rays));
+    });
+    programs
+}
+
+/// A packet, traced.
+struct Traced<'a, const N: usize> {
+    packet: u32,
+    program: Box<[Operation]>,
+    colours: &'a [Vec3; N],
+    rays: RayCounts,
+}
+
+/// Traces packets on all cores, and tells `each` in their order.
+fn trace_packets<const N: usize>(
+    world: &World,
+    frame: &Frame,
+    max_bounces: u32,
+    packets: &[u32],
+    each: &mut dyn FnMut(Traced<'_, N>),
+) {
     let tools = || {
         let recorder = Recorder::new(FlatMemory::new(&world.image.bytes));
-        (Pipeline::<N>::new(options.max_bounces), recorder)
+        (Pipeline::<N>::new(max_bounces), recorder)
     };
-    for batch in order.packets(frame.tiles::<N>()).chunks(PACKETS_A_BATCH) {
+    let registers = &world.image.registers;
+    for batch in packets.chunks(PACKETS_A_BATCH) {
         let trace = |(pipeline, recorder): &mut (Pipeline<N>, Recorder<FlatMemory<'_>>), &packet: &u32| {
-            let colours = pipeline.render(recorder, registers, &frame, packet);
+            let colours = pipeline.render(recorder, registers, frame, packet);
             (recorder.take(), colours, std::mem::take(&mut pipeline.rays))
         };
         let traced: Vec<_> = batch.par_iter().map_init(tools, trace).collect();
-        for (&packet, (program, colours, traced)) in batch.iter().zip(traced) {
-            packets.push(program);
-            put_packet(&mut pixels, &frame, packet, &colours);
-            rays += traced;
+        for (&packet, (program, colours, rays)) in batch.iter().zip(traced) {
+            each(Traced { packet, program, colours: &colours, rays });
         }
     }
-    let programs = Programs { packets, triangles: registers.triangles };
-    Recording { programs, picture: Picture { pixels, rays } }
 }
 
 /// Name of a version on the command line and in results.

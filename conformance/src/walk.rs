@@ -36,6 +36,19 @@ pub enum PacketSize {
     Rays64,
 }
 
+impl PacketSize {
+    /// Pixels along a side of a packet's tile.
+    #[must_use]
+    pub fn side(self) -> u32 {
+        match self {
+            Self::Rays1 => 1,
+            Self::Rays4 => 2,
+            Self::Rays16 => 4,
+            Self::Rays64 => 8,
+        }
+    }
+}
+
 /// How pictures are traced.
 #[derive(Clone, Copy, Debug)]
 pub struct TraceOptions {
@@ -45,6 +58,15 @@ pub struct TraceOptions {
     pub packet: PacketSize,
     /// Reflections and refractions that may follow one another.
     pub max_bounces: u32,
+}
+
+impl TraceOptions {
+    /// Tiles a row and rows of tiles.
+    #[must_use]
+    pub fn tiles(&self) -> (u32, u32) {
+        let ((width, height), side) = (self.resolution, self.packet.side());
+        (width.div_ceil(side), height.div_ceil(side))
+    }
 }
 
 /// How a walk is made.
@@ -165,6 +187,14 @@ fn row(frame: usize, rays: RayCounts, counts: FrameCounts, line: Bytes) -> Frame
     }
 }
 
+/// The accesses of the virtual memory that reading `bytes` at `addr` makes: the address itself, and
+/// the beginning of each further line.
+pub fn accesses(cache: CacheConfig, addr: HostAddr, bytes: u64) -> impl Iterator<Item = u32> {
+    let lines = cache.lines_of(addr, bytes);
+    let further = (lines.start + 1..lines.end).map(move |line| LineAddr(line as u32));
+    std::iter::once(addr.0).chain(further.map(move |line| cache.geometry.first_byte(line).0))
+}
+
 /// Flat memory that records which addresses the virtual memory would be asked for.
 struct Recorder<'a> {
     flat: FlatMemory<'a>,
@@ -175,12 +205,7 @@ struct Recorder<'a> {
 impl Memory for Recorder<'_> {
     #[inline]
     fn read(&mut self, port: Port, addr: HostAddr, bytes: &mut [u8]) {
-        let geometry = self.cache.geometry;
-        self.addresses.push(addr.0);
-        let lines = self.cache.lines_of(addr, bytes.len() as u64);
-        let beginnings =
-            (lines.start + 1..lines.end).map(|line| geometry.first_byte(LineAddr(line as u32)).0);
-        self.addresses.extend(beginnings);
+        self.addresses.extend(accesses(self.cache, addr, bytes.len() as u64));
         self.flat.read(port, addr, bytes);
     }
 }
@@ -247,15 +272,19 @@ fn trace_packets<const N: usize>(
 
 /// What the cache did in one frame.
 #[derive(Clone, Copy, Debug, Default)]
-struct FrameCounts {
-    accesses: u64,
-    loaded: u64,
-    working_set: u64,
-    collisions: u64,
+pub struct FrameCounts {
+    /// Lines touched, as often as they were.
+    pub accesses: u64,
+    /// Lines loaded.
+    pub loaded: u64,
+    /// Distinct lines touched.
+    pub working_set: u64,
+    /// Loads of lines that had been resident.
+    pub collisions: u64,
 }
 
 /// A cache whose number of ways the caller need not know.
-trait ObservedCache: Send {
+pub trait ObservedCache: Send {
     /// Begins a frame, with an empty cache if `cold`.
     fn begin_frame(&mut self, cold: bool);
     /// Accesses the lines at these addresses.
@@ -265,7 +294,8 @@ trait ObservedCache: Send {
 }
 
 /// An empty cache in front of `host` bytes of host memory.
-fn observed_cache(config: CacheConfig, host: Bytes) -> Box<dyn ObservedCache> {
+#[must_use]
+pub fn observed_cache(config: CacheConfig, host: Bytes) -> Box<dyn ObservedCache> {
     match config.geometry.ways() {
         1 => Box::new(Observed::<1>::new(config, host)),
         2 => Box::new(Observed::<2>::new(config, host)),

@@ -1,5 +1,6 @@
 //! `saarcor accuracy`.
 
+use super::simulator::SimulatorArgs;
 use crate::accuracy::contest::{Contestant, Format};
 use crate::accuracy::front::{standings, svg, table};
 use crate::accuracy::measure::{Extent, Row, measure};
@@ -60,6 +61,8 @@ pub struct Args {
     /// the distances may be off
     #[arg(long, value_name = "WRONG[,ULP]", requires = "scene")]
     budget: Option<Budget>,
+    #[command(flatten)]
+    simulator: SimulatorArgs,
     /// Prints the rows as lines of JSON
     #[arg(long)]
     json: bool,
@@ -68,6 +71,9 @@ pub struct Args {
 impl Args {
     /// Measures and prints what was asked for.
     pub fn run(self, progress: &Progress) -> Result<()> {
+        if self.simulator.simulator {
+            return self.simulator.run(self.json, progress);
+        }
         let contestants = self.contestants()?;
         if let Some(file) = &self.replay {
             return replay(file, &contestants);

@@ -10,6 +10,7 @@ pub mod render;
 pub mod reproduce;
 pub mod scenes;
 pub mod simulate;
+mod simulator;
 pub mod sweep;
 pub mod trace;
 pub mod walk;

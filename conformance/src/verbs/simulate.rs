@@ -5,7 +5,9 @@ use crate::args::{CacheArgs, ChipArgs, SceneArgs, TraceArgs, describe};
 use crate::limits::check_state;
 use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
-use crate::simulate::{Recording, Row, record, record_before};
+use crate::sampling::plan::Part;
+use crate::sampling::simulate::{SampledFrame, simulate_sample};
+use crate::simulate::{Recording, Row, record, record_before, version_name};
 use crate::summary::Summary;
 use crate::table::{Column, Table, mb};
 use crate::world::World;
@@ -63,6 +65,12 @@ impl FrameArgs {
         });
         (before, progress.during("trace", |_| record(world, self.frame, &options, order)))
     }
+
+    /// The frame, of which a part is worked on in full.
+    fn sampled(&self, part: Part) -> SampledFrame {
+        let (trace, order) = (self.trace.options(), self.chip.order);
+        SampledFrame { frame: self.frame, warm_up: self.warm_up, trace, order, part }
+    }
 }
 
 /// Step two of the paper's §4: a frame on the whole chip, cycle by cycle
@@ -75,6 +83,9 @@ pub struct Args {
     /// The picture, a PNG file
     #[arg(short, long, value_name = "FILE.png")]
     out: Option<PathBuf>,
+    /// Works on a part of the packets in full, such as 1/8, and prints estimates with intervals of 95 %
+    #[arg(long, value_name = "F", conflicts_with = "out")]
+    sample: Option<Part>,
     /// Prints one JSON object
     #[arg(long)]
     json: bool,
@@ -93,6 +104,25 @@ impl Args {
             progress.say(describe(&config.cache));
         }
 
+        let mut out = Stdout::new();
+        if let Some(part) = self.sample {
+            let row = progress.during("sample", |report| {
+                simulate_sample(&world, &self.frame.sampled(part), &config, report)
+            })?;
+            if self.json {
+                json_line(&mut out, &row)?;
+            } else {
+                let FrameArgs { scene, frame, .. } = &self.frame;
+                let version = version_name(config.version);
+                out.line(format_args!(
+                    "{}, frame {frame}, version {version}: {}",
+                    scene.scene,
+                    row.heading()
+                ))?;
+                out.line(row.table())?;
+            }
+            return out.finish();
+        }
         let (before, recording) = self.frame.record(&world, progress);
         let report = progress.during("chip", |_| simulate(&before, &recording.programs, &config))?;
         if let Some(file) = file {
@@ -100,7 +130,6 @@ impl Args {
         }
         let FrameArgs { scene, frame, .. } = &self.frame;
         let row = Row::new(&scene.scene, *frame, recording.picture.rays.total(), &config, &report);
-        let mut out = Stdout::new();
         if self.json {
             json_line(&mut out, &row)?;
         } else {

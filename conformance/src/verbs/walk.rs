@@ -5,6 +5,8 @@ use crate::args::{CacheArgs, FrameRange, SceneArgs, Size, TraceArgs, describe};
 use crate::limits::check_state;
 use crate::output::{Stdout, json_line};
 use crate::progress::Progress;
+use crate::sampling::plan::Part;
+use crate::sampling::walk::walk_sample;
 use crate::summary::Summary;
 use crate::table::{Column, aligned, mb};
 use crate::walk::{FrameRow, WalkOptions, WalkTotals, walk};
@@ -31,6 +33,9 @@ pub struct Args {
     /// Empties the virtual memory before each frame
     #[arg(long)]
     cold: bool,
+    /// Works on a part of the packets in full, such as 1/8, and prints estimates with intervals of 95 %
+    #[arg(long, value_name = "F")]
+    sample: Option<Part>,
     /// Prints one JSON object a frame
     #[arg(long)]
     json: bool,
@@ -47,15 +52,33 @@ impl Args {
         let lines = summary.lines().into_iter().chain([summary.image_line(), describe(&cache)]);
         lines.for_each(|line| progress.say(line));
 
-        let mut out = Stdout::new();
-        if !self.json {
-            out.line(header())?;
-        }
-        let mut peaks = Peaks::default();
         let options = WalkOptions { cache, cold: self.cold, trace: self.trace.options() };
         let length = frames.len();
         // Rows on a terminal show how far the walk is.
         let bar = if stdout().is_terminal() { Progress::new(true) } else { *progress };
+        let mut out = Stdout::new();
+        if let Some(part) = self.sample {
+            let frame = frames.start;
+            bar.during("sample", |report| {
+                let mut done = 0;
+                walk_sample(&world, frames, &options, part, &mut |row| {
+                    if self.json {
+                        json_line(&mut out, row)?;
+                    } else {
+                        out.line(format_args!("frame {}: {}", frame + done, row.heading()))?;
+                        out.line(row.table())?;
+                    }
+                    done += 1;
+                    report(done as f64 / length as f64);
+                    out.flush()
+                })
+            })?;
+            return out.finish();
+        }
+        if !self.json {
+            out.line(header())?;
+        }
+        let mut peaks = Peaks::default();
         let totals = bar.during("walk", |report| {
             let mut done = 0;
             walk(&world, frames, &options, &mut |row| {

@@ -68,7 +68,7 @@ impl Moves<'_> {
 }
 
 impl Observer for Moves<'_> {
-    fn transfer(&mut self, traffic: Traffic, span: Span, _: u64) {
+    fn transfer(&mut self, _: u32, traffic: Traffic, span: Span, _: u64) {
         self.reached.traffic.insert((self.chip.version as usize, traffic as usize));
         if traffic == Traffic::Pci {
             self.reached.bus.insert(span.begin == self.bus_free);

@@ -116,7 +116,7 @@ const SHOWN: usize = 32;
 struct Moved(Vec<String>);
 
 impl Observer for Moved {
-    fn transfer(&mut self, traffic: Traffic, span: Span, bytes: u64) {
+    fn transfer(&mut self, _: u32, traffic: Traffic, span: Span, bytes: u64) {
         let what = match traffic {
             Traffic::L1Fill => "from the on-board memory to a first-level cache",
             Traffic::VmFill => "of a line written to the on-board memory",

@@ -1,0 +1,299 @@
+//! A frame on the chip, from a part of its packets.
+
+use super::estimate::{Estimate, batches, loads, rate, total};
+use super::neighbours::{Neighbours, Unknown, lines_of_blocks};
+use super::plan::{Part, Plan};
+use super::row::{Quantity, SampleRow};
+use super::trace::{Frames, Standing, rough_options};
+use crate::simulate::{PacketOrder, Row, record_warm, version_name};
+use crate::walk::TraceOptions;
+use crate::world::World;
+use anyhow::Result;
+use saarcor_model::chip::{Cache, CacheReport, Found, Observer, Traffic, simulate, simulate_part};
+use saarcor_model::chip_config::{ChipConfig, UNIT_NAMES, Version};
+use saarcor_model::program::Operation;
+use saarcor_model::sdram::Span;
+
+/// A frame, what is done before it, and how it is sampled.
+#[derive(Clone, Copy, Debug)]
+pub struct SampledFrame {
+    /// Number of the frame in the path.
+    pub frame: usize,
+    /// Frames before it that warm the caches, as far as the path has them.
+    pub warm_up: usize,
+    /// How they are traced.
+    pub trace: TraceOptions,
+    /// In which order packets are handed out.
+    pub order: PacketOrder,
+    /// The part of the packets that is worked on in full.
+    pub part: Part,
+}
+
+/// Simulates a part of a frame's packets, and estimates what the whole frame takes. `report` is told
+/// the part that is done.
+///
+/// # Errors
+/// If the configuration makes no chip, packets are single rays, or the part is too small.
+pub fn simulate_sample(
+    world: &World,
+    sampled: &SampledFrame,
+    config: &ChipConfig,
+    report: &(dyn Fn(f64) + Sync),
+) -> Result<SampleRow> {
+    let SampledFrame { frame, warm_up, trace, order, part } = *sampled;
+    let plan = Plan::new(trace.tiles(), order, part, frame as u64)?;
+    let of = vec![
+        ("scene", world.name.clone().into()),
+        ("frame", frame.into()),
+        ("variant", version_name(config.version).into()),
+    ];
+    if plan.is_all() {
+        let (before, recording) = record_warm(world, frame, warm_up, &trace, order, report);
+        let run = simulate(&before, &recording.programs, config)?;
+        let row = Row::new(&world.name, frame, recording.picture.rays.total(), config, &run);
+        return Ok(SampleRow::new(of, part, &plan, counted(&row)));
+    }
+    let rough = rough_options(&trace)?;
+    // Without virtual memory a picture finds next to nothing of the one before in its caches.
+    let warm_up = if config.version == Version::None { 0 } else { warm_up.min(frame) };
+    let frames = frame - warm_up..=frame;
+    let rough = Frames::rough(world, frames.clone(), &rough, &plan);
+    report(0.2);
+
+    // The caches see the packets of few rays alone, while the sample is traced.
+    let ((in_rough, few), sample) = rayon::join(
+        || (Counts::of(&rough, config, &plan), lines_of_blocks(&rough, config, &plan)),
+        || Frames::sample(world, frames, &trace, &plan),
+    );
+    report(0.5);
+    let fine = rough.with(sample, world, &plan);
+    let (in_fine, neighbours) =
+        rayon::join(|| Counts::of(&fine, config, &plan), || Neighbours::of(few, &fine, config, &plan));
+    let sample = Sample { plan: &plan, config, rough: in_rough?, fine: in_fine?, neighbours };
+    Ok(SampleRow::new(of, part, &plan, sample.quantities()))
+}
+
+/// Of a run of all packets, what else is estimated.
+fn counted(row: &Row) -> Vec<Quantity> {
+    let mut quantities = vec![
+        Quantity::counted("cycles", row.cycles),
+        Quantity::new("fps", Estimate::exact(row.fps)),
+        Quantity::counted("rays", row.rays),
+        Quantity::counted("pci_bytes", row.pci_bytes),
+        Quantity::counted("mem_bytes", row.mem_bytes),
+        Quantity::counted("mem_bytes_l1_fill", row.mem_bytes_l1_fill),
+        Quantity::counted("mem_bytes_vm_fill", row.mem_bytes_vm_fill),
+        Quantity::counted("mem_bytes_metadata", row.mem_bytes_metadata),
+        Quantity::counted("l2_accesses", row.l2_accesses),
+        Quantity::counted("l2_hits", row.l2_hits),
+    ];
+    for unit in UNIT_NAMES {
+        quantities.push(Quantity::counted(format!("l1.{unit}.accesses"), row.l1[unit].accesses));
+        quantities.push(Quantity::counted(format!("l1.{unit}.hits"), row.l1[unit].hits));
+    }
+    quantities
+}
+
+/// What the packets of a block did.
+#[derive(Clone, Copy, Debug, Default)]
+struct Share {
+    rays: u64,
+    /// Cycles in which the units were busy.
+    work: [u64; 4],
+    l1: [CacheReport; 4],
+    l2: CacheReport,
+    l1_fill_bytes: u64,
+    metadata_bytes: u64,
+}
+
+/// What the packets of each block did, and when those in time began.
+struct Counts {
+    /// The block of each packet that counts. Where some are in full, only they do: the others stand
+    /// for what is not known.
+    counted: Vec<Option<u32>>,
+    blocks: Vec<Share>,
+    /// For each packet in time, when it began, and its work.
+    begins: Vec<u64>,
+    work: Vec<[u64; 4]>,
+    cycles: u64,
+}
+
+impl Counts {
+    /// Runs the last of some frames in caches that those before it have warmed; packets in full in
+    /// time, the others without.
+    fn of(frames: &Frames, config: &ChipConfig, plan: &Plan) -> Result<Self> {
+        let (programs, standings) = frames.last();
+        let before = &frames.programs[..frames.programs.len() - 1];
+        let in_time: Vec<bool> = standings.iter().map(|standing| standing.in_full).collect();
+        let some = in_time.contains(&true);
+        let counts = |standing: &Standing| (standing.in_full == some).then_some(standing.block);
+        let mut counts = Self {
+            counted: standings.iter().map(counts).collect(),
+            blocks: vec![Share::default(); plan.blocks()],
+            begins: Vec::new(),
+            work: Vec::new(),
+            cycles: 0,
+        };
+        for (standing, program) in frames.packets().filter(|(standing, _)| standing.in_full == some) {
+            let share = &mut counts.blocks[standing.block as usize];
+            let work = work(program, config);
+            share.rays += standing.rays.total();
+            (0..4).for_each(|unit| share.work[unit] += work[unit]);
+            counts.work.push(work);
+        }
+        counts.cycles = simulate_part(before, programs, &in_time, config, &mut counts)?.cycles;
+        Ok(counts)
+    }
+
+    fn share(&mut self, packet: u32) -> Option<&mut Share> {
+        self.counted[packet as usize].map(|block| &mut self.blocks[block as usize])
+    }
+
+    fn map(&self, value: impl Fn(&Share) -> u64) -> Vec<f64> {
+        self.blocks.iter().map(|share| value(share) as f64).collect()
+    }
+}
+
+/// Cycles in which the units are busy with a packet (CH-6).
+fn work(program: &[Operation], config: &ChipConfig) -> [u64; 4] {
+    let mut work = [0; 4];
+    // What is read without rays belongs to the work before.
+    for operation in program.iter().filter(|operation| operation.rays > 0 || operation.bytes == 0) {
+        let unit = operation.port as usize;
+        work[unit] += u64::from(u32::from(operation.rays).div_ceil(config.units[unit].rays_a_cycle).max(1));
+    }
+    work
+}
+
+impl Observer for Counts {
+    fn transfer(&mut self, packet: u32, traffic: Traffic, _: Span, bytes: u64) {
+        let Some(share) = self.share(packet) else { return };
+        match traffic {
+            Traffic::L1Fill => share.l1_fill_bytes += bytes,
+            Traffic::MetadataRead | Traffic::MetadataWriteBack => share.metadata_bytes += bytes,
+            // A line for each miss of the virtual memory: counted there.
+            Traffic::VmFill | Traffic::Pci => (),
+        }
+    }
+
+    fn look_up(&mut self, packet: u32, cache: Cache, found: Found) {
+        let Some(share) = self.share(packet) else { return };
+        let report = match cache {
+            Cache::L1(unit) => &mut share.l1[unit],
+            Cache::L2 => &mut share.l2,
+        };
+        report.accesses += 1;
+        match found {
+            Found::Resident => (),
+            Found::OnItsWay => report.merged += 1,
+            Found::Missing => report.misses += 1,
+        }
+    }
+
+    fn begin(&mut self, _: u32, cycle: u64) {
+        self.begins.push(cycle);
+    }
+}
+
+/// Runs of a sample and of all packets with few rays.
+struct Sample<'a> {
+    plan: &'a Plan,
+    config: &'a ChipConfig,
+    /// All packets, with few rays.
+    rough: Counts,
+    /// The sample.
+    fine: Counts,
+    neighbours: Neighbours,
+}
+
+impl Sample<'_> {
+    fn quantities(&self) -> Vec<Quantity> {
+        let Self { plan, config, rough, fine, .. } = self;
+        let sum = |of: &dyn Fn(&Share) -> u64| total(plan, &fine.map(of), &rough.map(of));
+        let virtual_memory = config.version != Version::None;
+        let l2_misses = match virtual_memory {
+            false => Estimate::exact(0.0),
+            true => loads(plan, &fine.map(|share| share.l2.misses), &rough.map(|share| share.l2.misses)),
+        };
+        let bytes: [f64; 4] = config.l1.map(|l1| f64::from(l1.line.max(config.sdram.beat_bytes)));
+        let misses: [Vec<f64>; 4] = std::array::from_fn(|unit| fine.map(|share| share.l1[unit].misses));
+        let unknown = self.neighbours.unknown(plan, &misses);
+        let fill_rough: Vec<f64> = rough
+            .blocks
+            .iter()
+            .map(|share| share.l1.iter().zip(bytes).map(|(l1, bytes)| l1.misses as f64 * bytes).sum())
+            .collect();
+        let l1_fill = total(plan, &fine.map(|share| share.l1_fill_bytes), &fill_rough);
+        let l1_fill = Unknown::sum(&unknown, bytes).widen(l1_fill);
+        let l2_accesses = Unknown::sum(&unknown, [1.0; 4]).widen(sum(&|share| share.l2.accesses));
+        let metadata =
+            total(plan, &fine.map(|share| share.metadata_bytes), &rough.map(|share| share.l2.accesses));
+        let metadata =
+            Unknown::sum(&unknown, [1.0; 4]).widen(metadata).widened(self.metadata_of(l2_misses), 0.0);
+        let pci_bytes = l2_misses.times(config.cache.geometry.line().0 as f64);
+        let cycles = self.cycles();
+        let mut quantities = vec![
+            Quantity::new("cycles", cycles),
+            Quantity::new("fps", cycles.falling(|cycles| config.core_hz as f64 / cycles.max(1.0))),
+            Quantity::new("rays", sum(&|share| share.rays)),
+            Quantity::new("pci_bytes", pci_bytes),
+            Quantity::new("mem_bytes", l1_fill.plus(metadata).plus(pci_bytes)),
+            Quantity::new("mem_bytes_l1_fill", l1_fill),
+            Quantity::new("mem_bytes_vm_fill", pci_bytes),
+            Quantity::new("mem_bytes_metadata", metadata),
+            Quantity::new("l2_accesses", l2_accesses),
+            Quantity::new("l2_hits", l2_accesses.minus(l2_misses)),
+        ];
+        for (unit, name) in UNIT_NAMES.into_iter().enumerate() {
+            let accesses = sum(&|share| share.l1[unit].accesses);
+            let hits = sum(&|share| share.l1[unit].hits());
+            let hits = unknown[unit].widen_rest(hits).at_most(accesses);
+            quantities.push(Quantity::new(format!("l1.{name}.accesses"), accesses));
+            quantities.push(Quantity::new(format!("l1.{name}.hits"), hits));
+        }
+        quantities
+    }
+
+    /// Bytes of metadata that the sample may have moved too many, because it loaded more lines than
+    /// there are to load: for a line, at most the granule of its entry is read and another written back.
+    fn metadata_of(&self, l2_misses: Estimate) -> f64 {
+        let misses = self.fine.map(|share| share.l2.misses);
+        let weights = (0..).map(|block| f64::from(self.plan.weight_of(block).unwrap_or(0)));
+        let loaded: f64 = misses.iter().zip(weights).map(|(misses, weight)| misses * weight).sum();
+        let granule = self.config.metadata_cache.granule.max(self.config.sdram.beat_bytes);
+        (loaded - l2_misses.low).max(0.0) * 2.0 * f64::from(granule)
+    }
+
+    /// The work of the unit that has the most, times the cycles that pass for each bit of it while all
+    /// threads are busy; and what the end of a run takes longer, when threads have nothing more to do:
+    /// that is the same however many packets a run has, and at least nothing.
+    fn cycles(&self) -> Estimate {
+        let Self { plan, config, rough, fine, .. } = self;
+        let sum = |unit: usize| rough.blocks.iter().map(|share| share.work[unit]).sum::<u64>();
+        let busiest = (0..UNIT_NAMES.len()).max_by_key(|&unit| sum(unit)).unwrap_or(0);
+        let of_unit = |share: &Share| share.work[busiest];
+        let work = total(plan, &fine.map(of_unit), &rough.map(of_unit));
+        let in_sample: Vec<f64> = fine.work.iter().map(|work| work[busiest] as f64).collect();
+        let (all, cycles) = (in_sample.iter().sum::<f64>(), fine.cycles as f64);
+        let threads = (config.pipelines * config.threads) as usize;
+        let begins = &fine.begins;
+        // When a packet begins, about as many packets as there are threads before it, one has ended.
+        let batches = batches(begins.len().saturating_sub(threads + 1), threads).map(|batch| {
+            let passed = begins[batch.end + threads] - begins[batch.start + threads];
+            (passed as f64, in_sample[batch].iter().sum())
+        });
+        let least = 1.0 / f64::from(config.pipelines);
+        match rate(&batches.collect::<Vec<_>>()) {
+            Some(rate) => {
+                let end = (cycles - rate.estimate * all).max(0.0);
+                work.product(rate).plus(Estimate { estimate: end, low: 0.0, high: end })
+            }
+            // Too few packets to keep the threads busy: between no thread ever waiting, and as slow
+            // as here.
+            None => {
+                let (low, high) = (work.low * least, work.high * cycles / all.max(1.0));
+                Estimate { estimate: (low * high).sqrt(), low, high }
+            }
+        }
+    }
+}
