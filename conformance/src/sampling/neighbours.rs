@@ -14,7 +14,7 @@
 
 use super::estimate::Estimate;
 use super::plan::Plan;
-use super::trace::{Frames, Standing};
+use super::trace::{Frames, SHRINK, Standing};
 use rayon::prelude::*;
 use saarcor_model::chip_config::ChipConfig;
 use saarcor_model::program::{Operation, Programs};
@@ -86,6 +86,13 @@ impl Neighbours {
             all => (few[cache] / all).min(1.0),
         });
         Self { first, seen }
+    }
+
+    /// How many times as many lines all rays may push out of the on-board memory as few rays: these
+    /// fill it with a share of the lines only, at least as many as there are fewer rays.
+    #[must_use]
+    pub fn crowding(&self) -> f64 {
+        1.0 / self.seen.into_iter().fold(1.0, f64::min).max(1.0 / f64::from(SHRINK * SHRINK))
     }
 
     /// What is not known of the misses of each cache, of which the sample has so many in each block.

@@ -116,6 +116,8 @@ struct Counts {
     begins: Vec<u64>,
     work: Vec<[u64; 4]>,
     cycles: u64,
+    /// Cycles in which the bus to the host was taken.
+    bus_cycles: u64,
 }
 
 impl Counts {
@@ -133,6 +135,7 @@ impl Counts {
             begins: Vec::new(),
             work: Vec::new(),
             cycles: 0,
+            bus_cycles: 0,
         };
         for (standing, program) in frames.packets().filter(|(standing, _)| standing.in_full == some) {
             let share = &mut counts.blocks[standing.block as usize];
@@ -141,7 +144,8 @@ impl Counts {
             (0..4).for_each(|unit| share.work[unit] += work[unit]);
             counts.work.push(work);
         }
-        counts.cycles = simulate_part(before, programs, &in_time, config, &mut counts)?.cycles;
+        let report = simulate_part(before, programs, &in_time, config, &mut counts)?;
+        (counts.cycles, counts.bus_cycles) = (report.cycles, report.pci_busy);
         Ok(counts)
     }
 
@@ -213,7 +217,11 @@ impl Sample<'_> {
         let virtual_memory = config.version != Version::None;
         let l2_misses = match virtual_memory {
             false => Estimate::exact(0.0),
-            true => loads(plan, &fine.map(|share| share.l2.misses), &rough.map(|share| share.l2.misses)),
+            true => {
+                let misses = |share: &Share| share.l2.misses;
+                let loads = loads(plan, &fine.map(misses), &rough.map(misses));
+                loads.widened(0.0, loads.high * (self.neighbours.crowding() - 1.0))
+            }
         };
         let bytes: [f64; 4] = config.l1.map(|l1| f64::from(l1.line.max(config.sdram.beat_bytes)));
         let misses: [Vec<f64>; 4] = std::array::from_fn(|unit| fine.map(|share| share.l1[unit].misses));
@@ -231,7 +239,7 @@ impl Sample<'_> {
         let metadata =
             Unknown::sum(&unknown, [1.0; 4]).widen(metadata).widened(self.metadata_of(l2_misses), 0.0);
         let pci_bytes = l2_misses.times(config.cache.geometry.line().0 as f64);
-        let cycles = self.cycles();
+        let cycles = self.with_loads(self.cycles(), l2_misses);
         let mut quantities = vec![
             Quantity::new("cycles", cycles),
             Quantity::new("fps", cycles.falling(|cycles| config.core_hz as f64 / cycles.max(1.0))),
@@ -254,25 +262,52 @@ impl Sample<'_> {
         quantities
     }
 
+    /// Lines that the picture would load if it loaded as the sample does.
+    fn loads_as_sampled(&self) -> f64 {
+        let misses = self.fine.map(|share| share.l2.misses);
+        let weights = (0..).map(|block| f64::from(self.plan.weight_of(block).unwrap_or(0)));
+        misses.iter().zip(weights).map(|(misses, weight)| misses * weight).sum()
+    }
+
     /// Bytes of metadata that the sample may have moved too many, because it loaded more lines than
     /// there are to load: for a line, at most the granule of its entry is read and another written back.
     fn metadata_of(&self, l2_misses: Estimate) -> f64 {
-        let misses = self.fine.map(|share| share.l2.misses);
-        let weights = (0..).map(|block| f64::from(self.plan.weight_of(block).unwrap_or(0)));
-        let loaded: f64 = misses.iter().zip(weights).map(|(misses, weight)| misses * weight).sum();
         let granule = self.config.metadata_cache.granule.max(self.config.sdram.beat_bytes);
-        (loaded - l2_misses.low).max(0.0) * 2.0 * f64::from(granule)
+        (self.loads_as_sampled() - l2_misses.low).max(0.0) * 2.0 * f64::from(granule)
+    }
+
+    /// Cycles of a picture that may load fewer or more lines than it would as the sample does. A load
+    /// holds the chip up for its time on the bus at most; and no unit is faster than its work.
+    fn with_loads(&self, cycles: Estimate, l2_misses: Estimate) -> Estimate {
+        let Self { config, fine, .. } = self;
+        let bus = fine.bus_cycles as f64 / fine.map(|share| share.l2.misses).iter().sum::<f64>().max(1.0);
+        let sampled = self.loads_as_sampled();
+        let [fewer, more] =
+            [sampled - l2_misses.low, l2_misses.high - sampled].map(|loads| loads.max(0.0) * bus);
+        let least = self.busiest().low / f64::from(config.pipelines);
+        let widened = cycles.widened(fewer, more);
+        Estimate { low: widened.low.max(least).min(cycles.low), ..widened }
+    }
+
+    /// The unit that has the most work.
+    fn busiest_unit(&self) -> usize {
+        let sum = |unit: usize| self.rough.blocks.iter().map(|share| share.work[unit]).sum::<u64>();
+        (0..UNIT_NAMES.len()).max_by_key(|&unit| sum(unit)).unwrap_or(0)
+    }
+
+    /// Its work.
+    fn busiest(&self) -> Estimate {
+        let unit = self.busiest_unit();
+        let of_unit = |share: &Share| share.work[unit];
+        total(self.plan, &self.fine.map(of_unit), &self.rough.map(of_unit))
     }
 
     /// The work of the unit that has the most, times the cycles that pass for each bit of it while all
     /// threads are busy; and what the end of a run takes longer, when threads have nothing more to do:
     /// that is the same however many packets a run has, and at least nothing.
     fn cycles(&self) -> Estimate {
-        let Self { plan, config, rough, fine, .. } = self;
-        let sum = |unit: usize| rough.blocks.iter().map(|share| share.work[unit]).sum::<u64>();
-        let busiest = (0..UNIT_NAMES.len()).max_by_key(|&unit| sum(unit)).unwrap_or(0);
-        let of_unit = |share: &Share| share.work[busiest];
-        let work = total(plan, &fine.map(of_unit), &rough.map(of_unit));
+        let Self { config, fine, .. } = self;
+        let (busiest, work) = (self.busiest_unit(), self.busiest());
         let in_sample: Vec<f64> = fine.work.iter().map(|work| work[busiest] as f64).collect();
         let (all, cycles) = (in_sample.iter().sum::<f64>(), fine.cycles as f64);
         let threads = (config.pipelines * config.threads) as usize;

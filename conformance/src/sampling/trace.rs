@@ -10,7 +10,7 @@ use saarcor_model::rtp::RayCounts;
 use std::ops::RangeInclusive;
 
 /// Pixels along a side of those of which one has a ray in a packet of few rays.
-const SHRINK: u32 = 4;
+pub const SHRINK: u32 = 4;
 
 /// The same picture with a sixteenth of the pixels. A packet with few rays covers 2 × 2 tiles: that
 /// is enough rays to be worth the work of a packet, and few enough to belong to one place.
