@@ -106,7 +106,7 @@ impl fmt::Display for TooFewBlocks {
             BLOCK.0, BLOCK.1
         )?;
         match blocks / LEAST_BLOCKS {
-            0 => write!(f, "this picture needs a sample of 1"),
+            0 | 1 => write!(f, "this picture needs a sample of 1"),
             least => write!(f, "at least 1/{least} is enough"),
         }
     }
