@@ -5,7 +5,7 @@ use super::neighbours::{Neighbours, Unknown, lines_of_blocks};
 use super::plan::{Part, Plan};
 use super::row::{Quantity, SampleRow};
 use super::trace::{Frames, Standing, rough_options};
-use crate::simulate::{PacketOrder, Row, record_warm, version_name};
+use crate::simulate::{PacketOrder, Row, record, record_before, version_name};
 use crate::walk::TraceOptions;
 use crate::world::World;
 use anyhow::Result;
@@ -48,7 +48,8 @@ pub fn simulate_sample(
         ("variant", version_name(config.version).into()),
     ];
     if plan.is_all() {
-        let (before, recording) = record_warm(world, frame, warm_up, &trace, order, report);
+        let before = record_before(world, frame, warm_up, &trace, order, report);
+        let recording = record(world, frame, &trace, order);
         let run = simulate(&before, &recording.programs, config)?;
         let row = Row::new(&world.name, frame, recording.picture.rays.total(), config, &run);
         return Ok(SampleRow::new(of, part, &plan, counted(&row)));
