@@ -44,16 +44,6 @@ impl Estimate {
         Self { low: (self.low - below).max(0.0), high: self.high + above, ..self }
     }
 
-    /// The same, where it can be no more than another.
-    #[must_use]
-    pub fn at_most(self, bound: Self) -> Self {
-        Self {
-            estimate: self.estimate.min(bound.estimate),
-            low: self.low.min(bound.low),
-            high: self.high.min(bound.high),
-        }
-    }
-
     /// A value that grows with this one.
     fn map(self, grows: impl Fn(f64) -> f64) -> Self {
         Self { estimate: grows(self.estimate), low: grows(self.low), high: grows(self.high) }
@@ -90,19 +80,6 @@ impl Estimate {
             estimate: difference(self.estimate, other.estimate),
             low: difference(self.low, other.high),
             high: difference(self.high, other.low),
-        }
-    }
-
-    /// The part of `of` that is not this: `1 - self / of`, within 0 to 1, with every value that two
-    /// values in the intervals have.
-    #[must_use]
-    pub fn rest_of(self, of: Self) -> Self {
-        let rest =
-            |part: f64, whole: f64| if whole > 0.0 { (1.0 - part / whole).clamp(0.0, 1.0) } else { 1.0 };
-        Self {
-            estimate: rest(self.estimate, of.estimate),
-            low: rest(self.high, of.low),
-            high: rest(self.low, of.high),
         }
     }
 }
@@ -349,11 +326,10 @@ mod tests {
     }
 
     #[test]
-    fn parts_of_a_whole_stay_within_0_and_1() {
-        let part = Estimate { estimate: 5.0, low: 0.0, high: 30.0 };
+    fn differences_have_every_value_that_two_intervals_allow() {
         let whole = Estimate { estimate: 20.0, low: 10.0, high: 25.0 };
-        assert_eq!(part.rest_of(whole), Estimate { estimate: 0.75, low: 0.0, high: 1.0 });
-        assert_eq!(part.rest_of(Estimate::exact(0.0)), Estimate::exact(1.0));
+        let part = Estimate { estimate: 5.0, low: 0.0, high: 30.0 };
+        assert_eq!(whole.minus(part), Estimate { estimate: 15.0, low: 0.0, high: 25.0 });
     }
 
     #[test]

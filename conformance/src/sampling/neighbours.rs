@@ -131,12 +131,6 @@ impl Unknown {
         let each = estimate.estimate / self.misses;
         estimate.widened(self.fewer * each, self.more * each)
     }
-
-    /// The interval of what is not missed.
-    #[must_use]
-    pub fn widen_rest(self, estimate: Estimate) -> Estimate {
-        estimate.widened(self.more, self.fewer)
-    }
 }
 
 /// The distinct first-level lines that packets read, by cache.
@@ -194,6 +188,5 @@ mod tests {
         let estimate = Estimate { estimate: 120.0, low: 110.0, high: 130.0 };
         let unknown = Unknown { misses: 60.0, fewer: 10.0, more: 20.0 };
         assert_eq!(unknown.widen(estimate), Estimate { estimate: 120.0, low: 90.0, high: 170.0 });
-        assert_eq!(unknown.widen_rest(estimate), Estimate { estimate: 120.0, low: 90.0, high: 140.0 });
     }
 }

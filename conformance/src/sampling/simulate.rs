@@ -255,8 +255,8 @@ impl Sample<'_> {
         ];
         for (unit, name) in UNIT_NAMES.into_iter().enumerate() {
             let accesses = sum(&|share| share.l1[unit].accesses);
-            let hits = sum(&|share| share.l1[unit].hits());
-            let hits = unknown[unit].widen_rest(hits).at_most(accesses);
+            let missed = unknown[unit].widen(sum(&|share| share.l1[unit].misses + share.l1[unit].merged));
+            let hits = accesses.minus(missed);
             quantities.push(Quantity::new(format!("l1.{name}.accesses"), accesses));
             quantities.push(Quantity::new(format!("l1.{name}.hits"), hits));
         }
