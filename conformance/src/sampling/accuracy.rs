@@ -134,7 +134,7 @@ pub fn of_simulate(
     Ok(rows(world, "simulate", parts, comparisons, full_seconds))
 }
 
-/// Compares `walk --sample` of each part with the whole walk, in walks of [`WALK_FRAMES`] frames
+/// Compares `walk --sample` of each part with the whole walk, in walks of five frames
 /// spread over the path, `frames` in all.
 ///
 /// # Errors
