@@ -7,7 +7,7 @@ use saarcor_model::hash::Hash;
 use saarcor_model::set::{Outcome, Policy};
 use saarcor_model::units::{HostAddr, LineAddr, Way};
 use saarcor_model::vm::{CacheConfig, Counters};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 
 /// One past the last host address: addresses have 32 bits.
 const END_OF_ADDRESSES: u64 = 1 << 32;
@@ -106,15 +106,21 @@ impl NaiveCache {
         Outcome::Miss { way: Way(way as u8), evicted }
     }
 
-    /// Forgets every line that `len` bytes at `addr` touch.
+    /// Forgets every line that `len` bytes at `addr` touch: of all lines that there are, those of
+    /// which a byte lies in the range.
     pub fn invalidate(&mut self, addr: HostAddr, len: u64) {
-        for line in self.lines_of(addr, len) {
-            let index = self.set_of(line);
-            let Some(set) = self.contents.get_mut(&index) else { continue };
-            if let Some(way) = set.slots.iter().position(|&slot| slot == Some(line)) {
-                set.slots[way] = None;
-                set.order.retain(|&other| other != way);
-                self.counters.invalidated += 1;
+        let (first, line_bytes) = (u64::from(addr.0), self.line_bytes);
+        let touched = |line: LineAddr| {
+            let begin = u64::from(line.0) * line_bytes;
+            len > 0 && begin < first + len && first < begin + line_bytes
+        };
+        for set in self.contents.values_mut() {
+            for way in 0..self.ways {
+                if set.slots[way].is_some_and(touched) {
+                    set.slots[way] = None;
+                    set.order.retain(|&other| other != way);
+                    self.counters.invalidated += 1;
+                }
             }
         }
     }
@@ -122,13 +128,6 @@ impl NaiveCache {
     /// Forgets all lines; the counters go on.
     pub fn flush(&mut self) {
         self.contents.clear();
-    }
-
-    /// The line of each byte, found byte by byte. Nothing lies beyond the end of the addresses.
-    fn lines_of(&self, addr: HostAddr, len: u64) -> BTreeSet<LineAddr> {
-        let first = u64::from(addr.0);
-        let end = (first + len).min(END_OF_ADDRESSES);
-        (first..end).map(|byte| LineAddr((byte / self.line_bytes) as u32)).collect()
     }
 }
 
