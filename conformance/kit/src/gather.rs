@@ -24,6 +24,9 @@ const BATCH: usize = 16;
 /// Time for sessions that began together with one that reached its time limit, and then for shrinking:
 /// far less than the two seconds in which a verdict is due.
 const LATE_GRACE: Duration = Duration::from_millis(250);
+/// By how much later than the first session to fail others may have begun that are awaited, each for the
+/// time limit of its own: on a busy machine processes take their time to start.
+const START_GRACE: Duration = Duration::from_millis(500);
 
 /// Answers in a time limit of an implementation that is quick, its start counted: the verdict on a slow
 /// one is what has to be hurried.
@@ -92,7 +95,7 @@ struct Gathering<'a> {
     planned: &'a [Planned],
     options: &'a Options,
     progress: &'a (dyn Fn(f64) + Sync),
-    /// When all is given up: a time limit after the first failure.
+    /// When all is given up: a time limit after the first failure, and [`START_GRACE`].
     stop: Stop,
     /// When what began after the first failure is: half a time limit after it.
     more: Stop,
@@ -193,7 +196,7 @@ impl Gathering<'_> {
             }
             (_, Some(limit)) if !judge.findings().is_empty() => {
                 self.more.within(limit / 2);
-                self.stop.within(limit);
+                self.stop.within(limit + START_GRACE);
             }
             _ => {}
         }
