@@ -6,6 +6,7 @@
 //! programs and the configuration. Cycles in which no phase has anything to do are left out, and
 //! nothing else is: the naive stepping of the same rules in `reference` takes every cycle.
 
+mod at_once;
 mod l1;
 mod report;
 mod unit;
@@ -236,9 +237,7 @@ impl<'a, O: Observer> Chip<'a, O> {
             working: 0,
             threads: std::iter::repeat_with(thread).take(numbers).collect(),
             units: std::iter::repeat_with(Unit::new).take(4 * pipelines).collect(),
-            cycles: config.units.map(|unit| {
-                Box::new(std::array::from_fn(|rays| (rays as u32).div_ceil(unit.rays_a_cycle).max(1)))
-            }),
+            cycles: config.units.map(|unit| Box::new(std::array::from_fn(|rays| unit.cycles(rays as u32)))),
             attended: Vec::new(),
             wheel: Wheel::new(numbers + 4 * pipelines),
             l1: Port::ALL.map(|port| L1::new(port, programs, config)),
@@ -257,58 +256,6 @@ impl<'a, O: Observer> Chip<'a, O> {
             arrival: u64::MAX,
             report: Report::default(),
         }
-    }
-
-    /// The caches after pictures whose packets are worked on one after the other (CH-19).
-    fn warm(&mut self, before: &[Programs]) {
-        for operation in before.iter().flat_map(|programs| &programs.packets).flatten() {
-            self.read_at_once(operation, None);
-        }
-    }
-
-    /// Reads what an operation reads, without time. The observer is told if it is that of a packet.
-    fn read_at_once(&mut self, operation: &Operation, packet: Option<u32>) {
-        if operation.bytes == 0 {
-            return;
-        }
-        let cache = operation.port as usize;
-        let (first, last) = self.l1[cache].lines_of(operation);
-        for line in first..=last {
-            let outcome = self.l1[cache].directory.access(LineAddr(line));
-            let missed = matches!(outcome, Outcome::Miss { .. });
-            if let Some(packet) = packet {
-                let found = if missed { Found::Missing } else { Found::Resident };
-                self.observer.look_up(packet, Cache::L1(cache), found);
-            }
-            if missed {
-                for (addr, bytes) in self.parts(cache, line) {
-                    self.locate_at_once(addr, bytes, packet);
-                }
-            }
-        }
-    }
-
-    /// Looks up the tag of a part, and moves it and its metadata, without time.
-    fn locate_at_once(&mut self, addr: u32, bytes: u32, packet: Option<u32>) {
-        let mut moves = std::mem::take(&mut self.moves);
-        let Place { card, missed } = self.tags.locate(HostAddr(addr), &mut moves);
-        if let Some(packet) = packet {
-            let (sdram, now) = (self.config.sdram, Span { begin: self.now, end: self.now });
-            let found = if missed { Found::Missing } else { Found::Resident };
-            self.observer.look_up(packet, Cache::L2, found);
-            for step in &moves {
-                let traffic = match step.direction {
-                    Direction::Read => Traffic::MetadataRead,
-                    Direction::Write => Traffic::MetadataWriteBack,
-                };
-                let granule = u64::from(self.config.metadata_cache.granule.max(sdram.beat_bytes));
-                self.observer.transfer(packet, traffic, now, granule);
-            }
-            let moved = sdram.beats(card, bytes.into()) * u64::from(sdram.beat_bytes);
-            self.observer.transfer(packet, Traffic::L1Fill, now, moved);
-        }
-        moves.clear();
-        self.moves = moves;
     }
 
     /// Address and size of the parts of a first-level line: one for each line of the virtual memory
@@ -655,8 +602,7 @@ impl<'a, O: Observer> Chip<'a, O> {
         };
         self.observer.request(self.now, card, bytes, direction);
         let span = self.sdram.transfer(self.now, card, bytes, direction);
-        let sdram = self.config.sdram;
-        let moved = sdram.beats(card, bytes) * u64::from(sdram.beat_bytes);
+        let moved = self.config.sdram.moved(card, bytes);
         *self.report.moved(traffic) += moved;
         self.observer.transfer(packet, traffic, span, moved);
         span

@@ -31,6 +31,14 @@ pub struct UnitConfig {
     pub latency: u32,
 }
 
+impl UnitConfig {
+    /// Cycles in which the rays of an operation go in (CH-6).
+    #[must_use]
+    pub fn cycles(&self, rays: u32) -> u32 {
+        rays.div_ceil(self.rays_a_cycle).max(1)
+    }
+}
+
 /// A first-level cache, of 4 ways (§2, Stated) and LRU, indexed by the lower bits of the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct L1Config {

@@ -55,6 +55,12 @@ impl SdramConfig {
         let beat = u64::from(self.beat_bytes);
         (addr + bytes - 1) / beat - addr / beat + 1
     }
+
+    /// Bytes that move for them: whole beats (SD-1).
+    #[must_use]
+    pub fn moved(&self, addr: u64, bytes: u64) -> u64 {
+        self.beats(addr, bytes) * u64::from(self.beat_bytes)
+    }
 }
 
 /// Which way data move.
