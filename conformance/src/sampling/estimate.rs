@@ -107,7 +107,7 @@ pub fn total(plan: &Plan, fine: &[f64], rough: &[f64]) -> Estimate {
     let all: f64 = rough.iter().sum();
     let Some(sums) = plan.sums(fine, rough) else { return Estimate::exact(0.0) };
     let estimate = sums.ratio() * all;
-    let unseen = RULE_OF_THREE / plan.sample().len() as f64 * sums.left_out * estimate;
+    let unseen = RULE_OF_THREE / plan.sample.len() as f64 * sums.left_out * estimate;
     let error = student_975(sums.blocks.len() - 1) * sums.standard_error() * all + unseen;
     Estimate { estimate, low: (estimate - error).max(0.0), high: estimate + error }
 }
@@ -143,7 +143,7 @@ pub fn batches(count: usize, least: usize) -> impl Iterator<Item = std::ops::Ran
 pub fn loads(plan: &Plan, fine: &[f64], rough: &[f64]) -> Estimate {
     let above = total(plan, fine, rough);
     let estimate: f64 = rough.iter().sum();
-    let unseen = RULE_OF_THREE * plan.packets() as f64 / plan.sample().len() as f64;
+    let unseen = RULE_OF_THREE * plan.packets() as f64 / plan.sample.len() as f64;
     Estimate { estimate, low: 0.0, high: above.high.max(estimate).max(unseen) }
 }
 
@@ -295,7 +295,7 @@ mod tests {
         let (fine, _) = picture();
         let rough: Vec<f64> = fine.iter().map(|fine| fine / 7.0).collect();
         let estimate = total(&plan(16, 3), &fine, &rough);
-        let packets = plan(16, 3).sample().len() as f64;
+        let packets = plan(16, 3).sample.len() as f64;
         assert!((estimate.high / estimate.estimate - 1.0 - 3.0 / packets * 15.0 / 16.0).abs() < 1e-4);
     }
 

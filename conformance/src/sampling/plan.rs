@@ -9,6 +9,7 @@
 //! finds in a cache is there for the right reason.
 
 use crate::simulate::PacketOrder;
+use saarcor_kit::random::Random;
 use std::fmt;
 use std::str::FromStr;
 
@@ -87,6 +88,8 @@ pub struct Plan {
     drawn: Vec<Option<u32>>,
     /// For each stratum, how many blocks of the picture the drawn one stands for.
     pub stands_for: Vec<u32>,
+    /// The packets of the sample, in the order in which they are handed out.
+    pub sample: Vec<u32>,
 }
 
 /// A sample of too few blocks. Says what would be enough.
@@ -137,9 +140,13 @@ impl Plan {
             drawn[curve[block as usize] as usize] = Some(stratum);
             stands_for.push(size);
         }
-        let mut places = vec![0; (columns * rows) as usize];
-        (0..).zip(order.packets(tiles)).for_each(|(place, packet)| places[packet as usize] = place);
-        Ok(Self { columns, places, drawn, stands_for })
+        let packets = order.packets(tiles);
+        let mut places = vec![0; packets.len()];
+        (0..).zip(&packets).for_each(|(place, &packet)| places[packet as usize] = place);
+        let mut plan = Self { columns, places, drawn, stands_for, sample: Vec::new() };
+        plan.sample =
+            packets.into_iter().filter(|&packet| plan.weight_of(plan.block_of(packet)).is_some()).collect();
+        Ok(plan)
     }
 
     /// Blocks of the picture.
@@ -173,16 +180,6 @@ impl Plan {
         self.drawn[block as usize].map(|stratum| self.stands_for[stratum as usize])
     }
 
-    /// The packets of the sample, in the order in which they are handed out.
-    #[must_use]
-    pub fn sample(&self) -> Vec<u32> {
-        let all = 0..self.places.len() as u32;
-        let mut sample: Vec<u32> =
-            all.filter(|&packet| self.weight_of(self.block_of(packet)).is_some()).collect();
-        sample.sort_by_key(|&packet| self.places[packet as usize]);
-        sample
-    }
-
     /// When a packet is handed out.
     #[must_use]
     pub fn place_of(&self, packet: u32) -> u32 {
@@ -198,17 +195,11 @@ impl Plan {
     }
 }
 
-/// A number below `bound`, for a stratum: SplitMix64 (Steele, Lea, Flood 2014). That the numbers
-/// are not quite equally frequent does not show: a picture has few blocks.
+/// A number below `bound`, for a stratum. That the numbers are not quite equally frequent does not show:
+/// a picture has few blocks.
 fn below(bound: u32, seed: u64, stratum: u32) -> u32 {
-    const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
-    let mixed = |number: u64| {
-        let number = number.wrapping_add(GOLDEN);
-        let number = (number ^ (number >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let number = (number ^ (number >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        number ^ (number >> 31)
-    };
-    (mixed(mixed(seed).wrapping_add(u64::from(stratum))) % u64::from(bound)) as u32
+    let of_seed = Random::new(seed).bits();
+    (Random::new(of_seed.wrapping_add(u64::from(stratum))).bits() % u64::from(bound)) as u32
 }
 
 #[cfg(test)]
@@ -251,7 +242,7 @@ mod tests {
     fn whole_picture_is_all_packets() {
         let plan = plan((20, 15), PacketOrder::Morton, "1", 0);
         assert!(plan.is_all());
-        assert_eq!(plan.sample(), PacketOrder::Morton.packets((20, 15)));
+        assert_eq!(plan.sample, PacketOrder::Morton.packets((20, 15)));
         assert!(plan.stands_for.iter().all(|&size| size == 1));
     }
 
@@ -271,7 +262,7 @@ mod tests {
         let (tiles, seeds) = ((64, 24), 4000);
         let mut times = vec![0; 64 * 24];
         for seed in 0..seeds {
-            let sample = plan(tiles, PacketOrder::Scan, "1/8", seed).sample();
+            let sample = plan(tiles, PacketOrder::Scan, "1/8", seed).sample;
             sample.iter().for_each(|&packet| times[packet as usize] += 1);
         }
         // A binomial's standard deviation is 21; five of them, for any of 48 blocks.

@@ -55,7 +55,7 @@ impl SampleRow {
     /// A row of a sample.
     #[must_use]
     pub fn new(of: Vec<(&'static str, Value)>, sample: Part, plan: &Plan, quantities: Vec<Quantity>) -> Self {
-        Self { of, sample, packets: [plan.packets(), plan.sample().len()], quantities }
+        Self { of, sample, packets: [plan.packets(), plan.sample.len()], quantities }
     }
 
     /// The estimates for a person to read.

@@ -159,13 +159,13 @@ impl Counts {
     }
 }
 
-/// Cycles in which the units are busy with a packet (CH-6).
+/// Cycles in which the units are busy with a packet.
 fn work(program: &[Operation], config: &ChipConfig) -> [u64; 4] {
     let mut work = [0; 4];
     // What is read without rays belongs to the work before.
     for operation in program.iter().filter(|operation| operation.rays > 0 || operation.bytes == 0) {
         let unit = operation.port as usize;
-        work[unit] += u64::from(u32::from(operation.rays).div_ceil(config.units[unit].rays_a_cycle).max(1));
+        work[unit] += u64::from(config.units[unit].cycles(operation.rays.into()));
     }
     work
 }

@@ -75,13 +75,13 @@ impl Frames {
     /// The packets of the sample in full, of the same frames.
     #[must_use]
     pub fn sample(world: &World, frames: RangeInclusive<usize>, options: &TraceOptions, plan: &Plan) -> Self {
-        let sample = plan.sample();
+        let sample = &plan.sample;
         let standing = |packet, rays| {
             let (place, block) = (plan.place_of(packet), plan.block_of(packet));
             Standing { place, block, in_full: true, rays }
         };
         let traced = |frame| -> Vec<Packet> {
-            let traced = record_part(world, frame, options, &sample).into_iter().zip(&sample);
+            let traced = record_part(world, frame, options, sample).into_iter().zip(sample);
             traced.map(|((program, rays), &packet)| (standing(packet, rays), program)).collect()
         };
         Self::of(world, frames.map(traced))
