@@ -81,7 +81,8 @@ impl<R: Number> TriangleTest<R> for WatertightTriangle<R> {
         let height = weights[0] * a[2] + weights[1] * b[2] + weights[2] * c[2];
         let reciprocal = R::ONE / sum;
         Candidate {
-            t: height * reciprocal,
+            // Not by the reciprocal, which overflows for a triangle that is seen from its edge.
+            t: height / sum,
             u: weights[1] * reciprocal,
             v: weights[2] * reciprocal,
             inside: same_sign(signs, sum),
@@ -109,5 +110,21 @@ fn side<R: Number>(rounded: R, p: Triple<R>, q: Triple<R>) -> i8 {
             Ordering::Equal => 0,
             Ordering::Less => -1,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::narrow::F16;
+    use super::*;
+
+    /// Of a mesh that is seen from inside, such a triangle may be the only one that a ray leaves through.
+    #[test]
+    fn small_triangles_have_a_distance() {
+        let e = 2.0_f32.powi(-9);
+        let corners = [Vec3::new(-e, -e, 1.0), Vec3::new(e, -e, 1.0), Vec3::new(0.0, e, 1.0)];
+        let ray = WatertightTriangle::<F16>::ray([0.0; 3], [0.0, 0.0, 1.0]);
+        let found = WatertightTriangle::<F16>::new(&corners).intersect(&ray);
+        assert!(found.inside && found.t.to_f64() == 1.0, "{found:?}");
     }
 }
