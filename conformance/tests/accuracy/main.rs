@@ -54,7 +54,7 @@ fn adaptive_is_never_wrong_in_long_runs() {
 
 fn watertight_does_not_leak(cases: u64) {
     for suite in SUITES.iter().filter(|suite| suite.closed) {
-        for format in [Format::F64, Format::F32] {
+        for format in Format::ALL {
             let row = rows(suite, Kernel::Watertight, format, 1, cases);
             assert_eq!(row.leaks, 0, "{} {}", row.suite, row.format);
         }
