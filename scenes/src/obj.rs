@@ -106,17 +106,15 @@ fn load_libraries(path: &Path, text: &str) -> Result<Vec<Library>, SceneError> {
 fn read_meshes(path: &Path, text: &str, sources: &[Source]) -> Result<Vec<tobj::Mesh>, SceneError> {
     let index_of: HashMap<String, usize> =
         sources.iter().enumerate().map(|(index, (_, material))| (material.name.clone(), index)).collect();
-    let mut lines = CheckedLines::new(path, text, &index_of);
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
-    let loaded = tobj::load_obj_buf(&mut lines, &options, |_| {
-        let materials = sources.iter().map(|(_, material)| (*material).clone()).collect();
-        Ok((materials, index_of.iter().map(|(name, index)| (name.clone(), *index)).collect()))
-    });
-    let (models, _) = match loaded {
-        Ok(loaded) => loaded,
-        Err(error) => return Err(lines.into_error(&error)),
-    };
-    if !lines.has_faces() {
+    let (loaded, has_faces) = CheckedLines::new(path, text, &index_of).read(|statements| {
+        tobj::load_obj_buf(statements, &options, |_| {
+            let materials = sources.iter().map(|(_, material)| (*material).clone()).collect();
+            Ok((materials, index_of.iter().map(|(name, index)| (name.clone(), *index)).collect()))
+        })
+    })?;
+    let (models, _) = loaded.map_err(|error| SceneError::in_file(path, error.to_string()))?;
+    if !has_faces {
         let reason = "empty OBJ: it has no faces (f), and a scene needs one at least";
         return Err(SceneError::in_file(path, reason));
     }

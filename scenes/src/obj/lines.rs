@@ -7,11 +7,12 @@
 //! stands between the text and tobj: it stops at the first wrong line, hands on only the
 //! statements that make triangles (`v vt vn f usemtl`), and starts a new mesh wherever the parts
 //! that the corners of a face name change, so that each mesh has texture coordinates at all its
-//! corners or at none.
+//! corners or at none. To check takes as long as to read: a thread does it ahead of tobj.
 
 use std::collections::HashMap;
 use std::io::{self, BufRead, Read};
 use std::path::Path;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use crate::error::SceneError;
 use crate::text::{finite, quoted, split_keyword};
@@ -22,21 +23,21 @@ const PARTS: [&str; 3] = ["v", "vt", "vn"];
 /// The file name under which tobj asks for the materials.
 pub(crate) const MATERIALS: &str = "materials";
 
+/// Bytes of statements that are handed on together, and how many such blocks may wait for tobj.
+const BLOCK: usize = 1 << 16;
+const BLOCKS: usize = 4;
+
 /// The statements of an OBJ file that make triangles, for tobj to read.
 pub(crate) struct CheckedLines<'a> {
     path: &'a Path,
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
     materials: &'a HashMap<String, usize>,
-    /// Number of the line last read, from 1.
-    line: usize,
-    /// How many `v`, `vt` and `vn` stand above that line.
+    /// How many `v`, `vt` and `vn` stand above the line at hand.
     counts: [usize; 3],
     /// Which of `v`, `vt` and `vn` the corners of the last face named.
     named: Option<[bool; 3]>,
-    /// What tobj has yet to read: a statement, and `read` bytes of it are gone.
-    statement: String,
-    read: usize,
-    error: Option<SceneError>,
+    /// What has yet to be handed on.
+    statements: String,
 }
 
 impl<'a> CheckedLines<'a> {
@@ -46,40 +47,41 @@ impl<'a> CheckedLines<'a> {
             path,
             lines: text.lines().enumerate(),
             materials,
-            line: 0,
             counts: [0; 3],
             named: None,
-            statement: format!("mtllib {MATERIALS}\n"),
-            read: 0,
-            error: None,
+            statements: format!("mtllib {MATERIALS}\n"),
         }
     }
 
-    /// Whether a face was read.
-    pub(crate) fn has_faces(&self) -> bool {
-        self.named.is_some()
+    /// What `read` makes of the statements, and whether there is a face among them.
+    ///
+    /// # Errors
+    /// For the first line that is wrong; what was made of the lines above is not returned.
+    pub(crate) fn read<T>(self, read: impl FnOnce(&mut Statements) -> T) -> Result<(T, bool), SceneError> {
+        std::thread::scope(|scope| {
+            let (to, blocks) = sync_channel(BLOCKS);
+            let checking = scope.spawn(|| self.send(to));
+            // Gone before the other thread is waited for: it does not wait for room any more.
+            let made = read(&mut Statements { blocks, block: String::new(), read: 0 });
+            let checked = checking.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            checked.map(|has_faces| (made, has_faces))
+        })
     }
 
-    /// Why the lines stopped before the end of the file; `otherwise` where the reason is not
-    /// theirs.
-    pub(crate) fn into_error(self, otherwise: &tobj::LoadError) -> SceneError {
-        self.error.unwrap_or_else(|| SceneError::at_line(self.path, self.line, otherwise.to_string()))
-    }
-
-    /// Puts the next statement into `self.statement`, which stays empty at the end of the file.
-    fn advance(&mut self) -> Result<(), SceneError> {
-        self.statement.clear();
-        self.read = 0;
-        while self.statement.is_empty()
-            && let Some((index, line)) = self.lines.next()
-        {
-            self.line = index + 1;
+    /// Sends all statements, and tells whether there is a face among them.
+    fn send(mut self, to: SyncSender<String>) -> Result<bool, SceneError> {
+        while let Some((index, line)) = self.lines.next() {
             self.check(line).map_err(|message| SceneError::at_line(self.path, index + 1, message))?;
+            // Nobody reads any more if tobj found something wrong.
+            if self.statements.len() >= BLOCK && to.send(std::mem::take(&mut self.statements)).is_err() {
+                break;
+            }
         }
-        Ok(())
+        let _ = to.send(self.statements);
+        Ok(self.named.is_some())
     }
 
-    /// Puts the statement on `line` into `self.statement` if it has a part in triangles.
+    /// Puts the statement on `line` into `self.statements` if it has a part in triangles.
     fn check(&mut self, line: &str) -> Result<(), String> {
         let Some((keyword, rest)) = split_keyword(line) else { return Ok(()) };
         match keyword {
@@ -163,16 +165,16 @@ impl<'a> CheckedLines<'a> {
     ) -> Result<[f32; N], String> {
         let mut numbers = [0.0; N];
         let mut words = data.split_ascii_whitespace();
-        self.statement.push_str(keyword);
+        self.statements.push_str(keyword);
         for (number, name) in numbers.iter_mut().zip(names) {
             let word = words
                 .next()
                 .ok_or_else(|| format!("{keyword}: {name} is missing: {} are needed", names.join(" ")))?;
             *number = finite(word).map_err(|reason| format!("{keyword}: {name} = {reason}"))?;
-            self.statement.push(' ');
-            self.statement.push_str(word);
+            self.statements.push(' ');
+            self.statements.push_str(word);
         }
-        self.statement.push('\n');
+        self.statements.push('\n');
         Ok(numbers)
     }
 
@@ -229,22 +231,28 @@ impl<'a> CheckedLines<'a> {
 
     /// Appends a line for tobj.
     fn push(&mut self, keyword: &str, rest: &str) {
-        self.statement.push_str(keyword);
-        self.statement.push(' ');
-        self.statement.push_str(rest);
-        self.statement.push('\n');
+        self.statements.push_str(keyword);
+        self.statements.push(' ');
+        self.statements.push_str(rest);
+        self.statements.push('\n');
     }
 }
 
-impl BufRead for CheckedLines<'_> {
+/// What was checked, for tobj to read.
+pub(crate) struct Statements {
+    blocks: Receiver<String>,
+    /// The block at hand, and how many bytes of it are read.
+    block: String,
+    read: usize,
+}
+
+impl BufRead for Statements {
     fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        if self.read == self.statement.len()
-            && let Err(error) = self.advance()
-        {
-            self.error = Some(error);
-            return Err(io::Error::other("a line is wrong"));
+        if self.read == self.block.len() {
+            // No more blocks: the end.
+            (self.block, self.read) = (self.blocks.recv().unwrap_or_default(), 0);
         }
-        Ok(&self.statement.as_bytes()[self.read..])
+        Ok(&self.block.as_bytes()[self.read..])
     }
 
     fn consume(&mut self, amount: usize) {
@@ -252,7 +260,7 @@ impl BufRead for CheckedLines<'_> {
     }
 }
 
-impl Read for CheckedLines<'_> {
+impl Read for Statements {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let read = self.fill_buf()?.read(buffer)?;
         self.consume(read);
