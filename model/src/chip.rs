@@ -12,6 +12,7 @@ mod report;
 mod unit;
 mod wheel;
 
+pub use at_once::Caches;
 pub use report::{Cache, CacheReport, Found, Observer, Report, Stall, Traffic, UnitReport};
 
 use crate::chip_config::{ChipConfig, ConfigError, MAX_COUNT, Version};
@@ -51,30 +52,29 @@ pub fn simulate_observed(
     config: &ChipConfig,
     observer: &mut impl Observer,
 ) -> Result<Report, ConfigError> {
-    simulate_part(before, programs, &vec![true; programs.packets.len()], config, observer)
+    let caches = Caches::after(before, config)?;
+    Ok(simulate_part(caches, programs, &vec![true; programs.packets.len()], observer))
 }
 
-/// [`simulate_observed`] for those packets whose place in `in_time` is true. The others take no
-/// time and count in no report: when their turn to be handed out comes, they leave in the caches what
+/// Plays on the chip of these `caches` those packets whose place in `in_time` is true. The others take
+/// no time and count in no report: when their turn to be handed out comes, they leave in the caches what
 /// they read, and `observer` is told what they look up and move (CH-21).
-///
-/// # Errors
-/// If the configuration makes no chip.
 ///
 /// # Panics
 /// If `in_time` has not one place for each packet.
+#[must_use]
 pub fn simulate_part(
-    before: &[Programs],
+    caches: Caches,
     programs: &Programs,
     in_time: &[bool],
-    config: &ChipConfig,
     observer: &mut impl Observer,
-) -> Result<Report, ConfigError> {
+) -> Report {
     assert_eq!(in_time.len(), programs.packets.len(), "each packet is in time or not");
-    config.check()?;
-    let mut chip = Chip::new(programs, in_time, config, observer);
-    chip.warm(before);
-    Ok(chip.run())
+    let Caches { config, l1, tags } = caches;
+    let mut chip = Chip::new(programs, in_time, &config, observer);
+    chip.l1.iter_mut().zip(l1).for_each(|(empty, l1)| empty.directory = l1);
+    chip.tags = tags;
+    chip.run()
 }
 
 /// No thread, in a list of threads.

@@ -29,7 +29,7 @@ pub struct Move {
 }
 
 /// The tags of a version, whatever its number of ways.
-pub trait Tags {
+pub trait Tags: Send {
     /// Finds the bytes at `addr`, which lie within one line; says in `moves` which metadata that
     /// moves, in order.
     fn locate(&mut self, addr: HostAddr, moves: &mut Vec<Move>) -> Place;

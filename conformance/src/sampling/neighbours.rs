@@ -14,7 +14,7 @@
 
 use super::estimate::Estimate;
 use super::plan::Plan;
-use super::trace::{Frames, SHRINK, Standing};
+use super::trace::{SHRINK, Standing, Traced};
 use rayon::prelude::*;
 use saarcor_model::chip_config::ChipConfig;
 use saarcor_model::program::{Operation, Programs};
@@ -39,16 +39,16 @@ pub struct Unknown {
 
 /// The number of distinct lines of the sample's blocks, by cache.
 #[must_use]
-pub fn lines_of_blocks(frames: &Frames, config: &ChipConfig, plan: &Plan) -> [f64; 4] {
+pub fn lines_of_blocks(rough: &Traced, config: &ChipConfig, plan: &Plan) -> [f64; 4] {
     let mut blocks = vec![Vec::new(); plan.blocks()];
-    for (standing, program) in frames.packets() {
+    for (standing, program) in rough.packets() {
         if plan.weight_of(standing.block).is_some() {
             blocks[standing.block as usize].push(program);
         }
     }
     let counted: Vec<[usize; 4]> = blocks
         .par_iter()
-        .map(|block| lines(block, config, frames.last().0).map(|lines| lines.len()))
+        .map(|block| lines(block, config, &rough.programs).map(|lines| lines.len()))
         .collect();
     std::array::from_fn(|cache| counted.iter().map(|lines| lines[cache] as f64).sum())
 }
@@ -56,7 +56,7 @@ pub fn lines_of_blocks(frames: &Frames, config: &ChipConfig, plan: &Plan) -> [f6
 impl Neighbours {
     /// Counts the lines of a frame with the sample in full; with few rays its blocks have `few` lines.
     #[must_use]
-    pub fn of(few: [f64; 4], fine: &Frames, config: &ChipConfig, plan: &Plan) -> Self {
+    pub fn of(few: [f64; 4], fine: &Traced, config: &ChipConfig, plan: &Plan) -> Self {
         let packets: Vec<(&Standing, &[Operation])> = fine.packets().collect();
         let runs = packets.chunk_by(|(a, _), (b, _)| a.block == b.block);
         let runs: Vec<_> = runs.filter(|run| run[0].0.in_full).collect();
@@ -64,7 +64,7 @@ impl Neighbours {
             .par_iter()
             .map(|run| {
                 let programs: Vec<_> = run.iter().map(|(_, program)| *program).collect();
-                lines(&programs, config, fine.last().0)
+                lines(&programs, config, &fine.programs)
             })
             .collect();
         let mut first: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; plan.blocks()]);

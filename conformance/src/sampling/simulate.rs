@@ -4,12 +4,12 @@ use super::estimate::{Estimate, batches, loads, rate, total};
 use super::neighbours::{Neighbours, Unknown, lines_of_blocks};
 use super::plan::{Part, Plan};
 use super::row::{Quantity, SampleRow};
-use super::trace::{Frames, Standing, rough_options};
+use super::trace::{Standing, Traced, rough_options};
 use crate::simulate::{PacketOrder, Row, record, record_before, version_name};
 use crate::walk::TraceOptions;
 use crate::world::World;
 use anyhow::Result;
-use saarcor_model::chip::{Cache, CacheReport, Found, Observer, Traffic, simulate, simulate_part};
+use saarcor_model::chip::{Cache, CacheReport, Caches, Found, Observer, Traffic, simulate, simulate_part};
 use saarcor_model::chip_config::{ChipConfig, UNIT_NAMES, Version};
 use saarcor_model::program::Operation;
 use saarcor_model::sdram::Span;
@@ -57,20 +57,31 @@ pub fn simulate_sample(
     let rough = rough_options(&trace)?;
     // Without virtual memory a picture finds next to nothing of the one before in its caches.
     let warm_up = if config.version == Version::None { 0 } else { warm_up.min(frame) };
-    let frames = frame - warm_up..=frame;
-    let rough = Frames::rough(world, frames.clone(), &rough, &plan);
+    let few = |frame| Traced::rough(world, frame, &rough, &plan);
+    let in_full = |rough: &Traced, frame| rough.with(Traced::sample(world, frame, &trace, &plan), &plan);
+    let before: Vec<Traced> = (frame - warm_up..frame).map(few).collect();
+    let rough = few(frame);
     report(0.2);
 
-    // The caches see the packets of few rays alone, while the sample is traced.
-    let ((in_rough, few), sample) = rayon::join(
-        || (Counts::of(&rough, config, &plan), lines_of_blocks(&rough, config, &plan)),
-        || Frames::sample(world, frames, &trace, &plan),
+    // What one thread does alone is done while packets are traced.
+    let caches_after = |frames: &[Traced]| Caches::after(frames.iter().map(|frame| &frame.programs), config);
+    let (rough_caches, before) = rayon::join(
+        || caches_after(&before),
+        || -> Vec<Traced> {
+            before.iter().zip(frame - warm_up..).map(|(few, frame)| in_full(few, frame)).collect()
+        },
     );
+    let (fine_caches, fine) = rayon::join(|| caches_after(&before), || in_full(&rough, frame));
+    let (rough_caches, fine_caches) = (rough_caches?, fine_caches?);
     report(0.5);
-    let fine = rough.with(sample, world, &plan);
-    let (in_fine, neighbours) =
-        rayon::join(|| Counts::of(&fine, config, &plan), || Neighbours::of(few, &fine, config, &plan));
-    let sample = Sample { plan: &plan, config, rough: in_rough?, fine: in_fine?, neighbours };
+    let (in_fine, (in_rough, neighbours)) = rayon::join(
+        || Counts::of(&fine, fine_caches, config, &plan),
+        || {
+            let neighbours = Neighbours::of(lines_of_blocks(&rough, config, &plan), &fine, config, &plan);
+            (Counts::of(&rough, rough_caches, config, &plan), neighbours)
+        },
+    );
+    let sample = Sample { plan: &plan, config, rough: in_rough, fine: in_fine, neighbours };
     Ok(SampleRow::new(of, part, &plan, sample.quantities()))
 }
 
@@ -122,32 +133,30 @@ struct Counts {
 }
 
 impl Counts {
-    /// Runs the last of some frames in caches that those before it have warmed; packets in full in
-    /// time, the others without.
-    fn of(frames: &Frames, config: &ChipConfig, plan: &Plan) -> Result<Self> {
-        let (programs, standings) = frames.last();
-        let before = &frames.programs[..frames.programs.len() - 1];
-        let in_time: Vec<bool> = standings.iter().map(|standing| standing.in_full).collect();
+    /// Runs a frame in caches that those before it have warmed; packets in full in time, the others
+    /// without.
+    fn of(frame: &Traced, caches: Caches, config: &ChipConfig, plan: &Plan) -> Self {
+        let in_time: Vec<bool> = frame.standings.iter().map(|standing| standing.in_full).collect();
         let some = in_time.contains(&true);
         let counts = |standing: &Standing| (standing.in_full == some).then_some(standing.block);
         let mut counts = Self {
-            counted: standings.iter().map(counts).collect(),
+            counted: frame.standings.iter().map(counts).collect(),
             blocks: vec![Share::default(); plan.blocks()],
             begins: Vec::new(),
             work: Vec::new(),
             cycles: 0,
             bus_cycles: 0,
         };
-        for (standing, program) in frames.packets().filter(|(standing, _)| standing.in_full == some) {
+        for (standing, program) in frame.packets().filter(|(standing, _)| standing.in_full == some) {
             let share = &mut counts.blocks[standing.block as usize];
             let work = work(program, config);
             share.rays += standing.rays.total();
             (0..4).for_each(|unit| share.work[unit] += work[unit]);
             counts.work.push(work);
         }
-        let report = simulate_part(before, programs, &in_time, config, &mut counts)?;
+        let report = simulate_part(caches, &frame.programs, &in_time, &mut counts);
         (counts.cycles, counts.bus_cycles) = (report.cycles, report.pci_busy);
-        Ok(counts)
+        counts
     }
 
     fn share(&mut self, packet: u32) -> Option<&mut Share> {

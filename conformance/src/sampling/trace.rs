@@ -7,7 +7,7 @@ use crate::world::World;
 use anyhow::{Result, bail};
 use saarcor_model::program::{Operation, Programs};
 use saarcor_model::rtp::RayCounts;
-use std::ops::RangeInclusive;
+use saarcor_model::units::HostAddr;
 
 /// Pixels along a side of those of which one has a ray in a packet of few rays.
 pub const SHRINK: u32 = 4;
@@ -29,14 +29,13 @@ pub fn rough_options(options: &TraceOptions) -> Result<TraceOptions> {
     Ok(TraceOptions { resolution, packet, ..*options })
 }
 
-/// Frames that follow one another, each packet of them in full or with few rays, in the order in which
-/// packets are handed out.
+/// A frame, each packet of it in full or with few rays, in the order in which packets are handed out.
 #[derive(Clone, Debug)]
-pub struct Frames {
-    /// What the packets of each frame do.
-    pub programs: Vec<Programs>,
+pub struct Traced {
+    /// What the packets do.
+    pub programs: Programs,
     /// Where they stand.
-    standings: Vec<Vec<Standing>>,
+    pub standings: Vec<Standing>,
 }
 
 /// Where a packet of a frame stands.
@@ -52,83 +51,57 @@ pub struct Standing {
     pub rays: RayCounts,
 }
 
-/// A packet with where it stands.
-type Packet = (Standing, Box<[Operation]>);
-
-impl Frames {
-    /// Frames with few rays; `rough` is what [`rough_options`] made.
+impl Traced {
+    /// A frame with few rays; `rough` is what [`rough_options`] made.
     #[must_use]
-    pub fn rough(world: &World, frames: RangeInclusive<usize>, rough: &TraceOptions, plan: &Plan) -> Self {
+    pub fn rough(world: &World, frame: usize, rough: &TraceOptions, plan: &Plan) -> Self {
         let (columns, rows) = rough.tiles();
         let packets: Vec<u32> = (0..columns * rows).collect();
-        let standing = |packet, rays| {
+        Self::new(world, frame, rough, &packets, |packet, rays| {
             let first = plan.covered_by(packet);
             Standing { place: plan.place_of(first), block: plan.block_of(first), in_full: false, rays }
-        };
-        let traced = |frame| -> Vec<Packet> {
-            let traced = record_part(world, frame, rough, &packets).into_iter().zip(&packets);
-            traced.map(|((program, rays), &packet)| (standing(packet, rays), program)).collect()
-        };
-        Self::of(world, frames.map(traced))
+        })
     }
 
-    /// The packets of the sample in full, of the same frames.
+    /// The packets of the sample in full.
     #[must_use]
-    pub fn sample(world: &World, frames: RangeInclusive<usize>, options: &TraceOptions, plan: &Plan) -> Self {
-        let sample = &plan.sample;
-        let standing = |packet, rays| {
+    pub fn sample(world: &World, frame: usize, options: &TraceOptions, plan: &Plan) -> Self {
+        Self::new(world, frame, options, &plan.sample, |packet, rays| {
             let (place, block) = (plan.place_of(packet), plan.block_of(packet));
             Standing { place, block, in_full: true, rays }
-        };
-        let traced = |frame| -> Vec<Packet> {
-            let traced = record_part(world, frame, options, sample).into_iter().zip(sample);
-            traced.map(|((program, rays), &packet)| (standing(packet, rays), program)).collect()
-        };
-        Self::of(world, frames.map(traced))
+        })
     }
 
-    /// These, with the packets of a sample in the place of those in the same blocks.
+    fn new(
+        world: &World,
+        frame: usize,
+        options: &TraceOptions,
+        packets: &[u32],
+        standing: impl Fn(u32, RayCounts) -> Standing,
+    ) -> Self {
+        let traced = record_part(world, frame, options, packets).into_iter().zip(packets);
+        let traced = traced.map(|((program, rays), &packet)| (standing(packet, rays), program));
+        Self::in_order(traced.collect(), world.image.registers.triangles)
+    }
+
+    /// This frame with the packets of a sample in the place of those in the same blocks.
     #[must_use]
-    pub fn with(self, sample: Self, world: &World, plan: &Plan) -> Self {
-        let frames = self.programs.into_iter().zip(self.standings);
-        let samples = sample.programs.into_iter().zip(sample.standings);
-        Self::of(
-            world,
-            frames.zip(samples).map(|((rough, standings), (sample, in_full))| {
-                let rough = standings.into_iter().zip(rough.packets);
-                let left = rough.filter(|(standing, _)| plan.weight_of(standing.block).is_none());
-                left.chain(in_full.into_iter().zip(sample.packets)).collect()
-            }),
-        )
+    pub fn with(&self, sample: Self, plan: &Plan) -> Self {
+        let rough = self.standings.iter().copied().zip(self.programs.packets.iter().cloned());
+        let left = rough.filter(|(standing, _)| plan.weight_of(standing.block).is_none());
+        let in_full = sample.standings.into_iter().zip(sample.programs.packets);
+        Self::in_order(left.chain(in_full).collect(), self.programs.triangles)
     }
 
-    fn of(world: &World, frames: impl Iterator<Item = Vec<Packet>>) -> Self {
-        let triangles = world.image.registers.triangles;
-        let (programs, standings) = frames
-            .map(|mut packets| {
-                packets.sort_by_key(|(standing, _)| standing.place);
-                let (standings, packets): (Vec<_>, _) = packets.into_iter().unzip();
-                (Programs { packets, triangles }, standings)
-            })
-            .unzip();
-        Self { programs, standings }
+    fn in_order(mut packets: Vec<(Standing, Box<[Operation]>)>, triangles: HostAddr) -> Self {
+        packets.sort_by_key(|(standing, _)| standing.place);
+        let (standings, packets) = packets.into_iter().unzip();
+        Self { programs: Programs { packets, triangles }, standings }
     }
 
-    /// What the packets of the last frame do, and where they stand.
-    ///
-    /// # Panics
-    /// If there is no frame.
-    #[must_use]
-    pub fn last(&self) -> (&Programs, &[Standing]) {
-        let last = self.programs.last().zip(self.standings.last());
-        let (programs, standings) = last.expect("a frame is the last of its frames");
-        (programs, standings)
-    }
-
-    /// The packets of the last frame, with where they stand.
+    /// The packets, with where they stand.
     pub fn packets(&self) -> impl Iterator<Item = (&Standing, &[Operation])> {
-        let (programs, standings) = self.last();
-        standings.iter().zip(programs.packets.iter().map(|program| &program[..]))
+        self.standings.iter().zip(self.programs.packets.iter().map(|program| &program[..]))
     }
 }
 

@@ -3,7 +3,7 @@
 use super::estimate::{Estimate, distinct, loads, total};
 use super::plan::{Part, Plan};
 use super::row::{Quantity, SampleRow};
-use super::trace::{Frames, rough_options};
+use super::trace::{Traced, rough_options};
 use crate::simulate::PacketOrder;
 use crate::walk::{FrameCounts, FrameRow, ObservedCache, WalkOptions, accesses, observed_cache, walk};
 use crate::world::World;
@@ -37,12 +37,12 @@ pub fn walk_sample(
     let new_cache = || Played { cache: observed_cache(options.cache, host), config: options.cache };
     let (mut rough_cache, mut cache) = (new_cache(), new_cache());
     for frame in frames {
-        let rough = Frames::rough(world, frame..=frame, &rough_trace, &plan);
+        let rough = Traced::rough(world, frame, &rough_trace, &plan);
         let (rough_shares, sample) = rayon::join(
             || rough_cache.play(&rough, &plan, options.cold),
-            || Frames::sample(world, frame..=frame, trace, &plan),
+            || Traced::sample(world, frame, trace, &plan),
         );
-        let fine = rough.with(sample, world, &plan);
+        let fine = rough.with(sample, &plan);
         let fine_shares = cache.play(&fine, &plan, options.cold);
         let seen = cache.cache.counts().working_set as f64;
         let sample = Sample { plan: &plan, fine: fine_shares, rough: rough_shares, seen };
@@ -85,7 +85,7 @@ struct Played {
 impl Played {
     /// What the packets of each block of a frame do in the cache. Where some are in full, only blocks
     /// of such say what they do.
-    fn play(&mut self, frame: &Frames, plan: &Plan, cold: bool) -> Vec<Share> {
+    fn play(&mut self, frame: &Traced, plan: &Plan, cold: bool) -> Vec<Share> {
         self.cache.begin_frame(cold);
         let mut shares = vec![Share::default(); plan.blocks()];
         let (mut addresses, mut last) = (Vec::new(), FrameCounts::default());

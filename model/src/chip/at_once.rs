@@ -1,20 +1,45 @@
 //! Packets that leave in the caches what they read, and take no time.
 
 use super::{Cache, Chip, Found, Observer, Traffic};
+use crate::chip_config::{CHIP_CACHE_WAYS, ChipConfig, ConfigError};
 use crate::program::{Operation, Programs};
 use crate::sdram::{Direction, Span};
 use crate::set::Outcome;
-use crate::tags::Place;
+use crate::tags::{Place, Tags};
 use crate::units::{HostAddr, LineAddr};
+use crate::vm::Directory;
+
+/// The first-level caches and the virtual memory of a chip on which nothing is in work.
+pub struct Caches {
+    pub(super) config: ChipConfig,
+    pub(super) l1: [Directory<CHIP_CACHE_WAYS>; 4],
+    pub(super) tags: Box<dyn Tags>,
+}
+
+impl Caches {
+    /// Those of the chip `config` after pictures of one scene whose packets are worked on one after the
+    /// other, without time (CH-19).
+    ///
+    /// # Errors
+    /// If the configuration makes no chip.
+    pub fn after<'a>(
+        before: impl IntoIterator<Item = &'a Programs>,
+        config: &ChipConfig,
+    ) -> Result<Self, ConfigError> {
+        config.check()?;
+        let mut before = before.into_iter().peekable();
+        let triangles = before.peek().map_or(HostAddr(0), |programs| programs.triangles);
+        let nothing = Programs { packets: Vec::new(), triangles };
+        let (mut nobody, in_time) = ((), []);
+        let mut chip = Chip::new(&nothing, &in_time, config, &mut nobody);
+        for operation in before.flat_map(|programs| &programs.packets).flatten() {
+            chip.read_at_once(operation, None);
+        }
+        Ok(Self { config: *config, l1: chip.l1.map(|l1| l1.directory), tags: chip.tags })
+    }
+}
 
 impl<O: Observer> Chip<'_, O> {
-    /// The caches after pictures whose packets are worked on one after the other (CH-19).
-    pub(super) fn warm(&mut self, before: &[Programs]) {
-        for operation in before.iter().flat_map(|programs| &programs.packets).flatten() {
-            self.read_at_once(operation, None);
-        }
-    }
-
     /// Reads what an operation reads, without time. The observer is told if it is that of a packet.
     pub(super) fn read_at_once(&mut self, operation: &Operation, packet: Option<u32>) {
         if operation.bytes == 0 {
