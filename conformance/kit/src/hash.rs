@@ -131,6 +131,10 @@ impl Kind for SetHash {
         }))
     }
 
+    fn keys(&self) -> Vec<&'static str> {
+        vec!["sets", "hash"]
+    }
+
     fn comparison<'a>(
         &self,
         session: &'a Session,

@@ -204,6 +204,11 @@ impl<'a> Judge<'a> {
     fn config(&mut self, line: &[u8]) {
         let text = String::from_utf8_lossy(line);
         if let Some(key) = text.strip_prefix("unsupported ") {
+            let keys = self.kind.keys();
+            if !keys.contains(&key) {
+                let right = format!("a key that is not supported is one of {}", keys.join(", "));
+                return self.broken("P-2", "ok observes=.. or unsupported KEY", line, &right);
+            }
             self.unsupported = Some(key.to_owned());
             self.stage = Stage::Unsupported;
             return;

@@ -49,6 +49,9 @@ pub trait Kind: Sync {
     /// The key whose value is wrong.
     fn oracle(&self, oracle: Oracle, config: &str) -> Result<Box<dyn Served>, Unsupported>;
 
+    /// The keys of a configuration.
+    fn keys(&self) -> Vec<&'static str>;
+
     /// What compares the answers of an implementation with those of the model, one by one, as far as
     /// `observes` goes.
     ///

@@ -98,6 +98,11 @@ fn words(text: &str) -> impl Iterator<Item = (&str, &str)> {
     text.split_ascii_whitespace().map(|word| word.split_once('=').unwrap_or((word, "")))
 }
 
+/// The keys of a configuration.
+pub fn keys() -> impl Iterator<Item = &'static str> {
+    words(STANDARD).map(|(key, _)| key)
+}
+
 /// What a configuration names.
 ///
 /// # Errors
@@ -107,7 +112,7 @@ pub fn parse(text: &str) -> Result<Setting, String> {
     let mut given = Vec::new();
     for (key, value) in words(text) {
         let known = all.iter_mut().find(|(known, _)| *known == key);
-        let keys = || words(STANDARD).map(|(key, _)| key).collect::<Vec<_>>().join(", ");
+        let keys = || keys().collect::<Vec<_>>().join(", ");
         known.ok_or_else(|| format!("'{key}': the keys are {}", keys()))?.1 = value;
         if given.contains(&key) {
             return Err(format!("{key} stands there twice"));

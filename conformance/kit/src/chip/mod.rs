@@ -64,6 +64,10 @@ impl Kind for Chip {
         Ok(Box::new(ChipServed::new(oracle, config)?))
     }
 
+    fn keys(&self) -> Vec<&'static str> {
+        config::keys().collect()
+    }
+
     fn comparison<'a>(
         &self,
         session: &'a Session,

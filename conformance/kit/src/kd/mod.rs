@@ -82,6 +82,10 @@ impl Kind for Kd {
         Ok(Box::new(KdServed::new(oracle, config)?))
     }
 
+    fn keys(&self) -> Vec<&'static str> {
+        vec!["kernel"]
+    }
+
     fn comparison<'a>(
         &self,
         session: &'a Session,

@@ -13,6 +13,11 @@ const META_WAYS: &[usize] = &[1, 2, 4];
 /// Most sets of the metadata cache (Assumed: sixteen times the paper's).
 const MAX_META_SETS: usize = 1 << 14;
 
+/// The keys of a configuration.
+pub fn keys() -> impl Iterator<Item = &'static str> {
+    config::KEYS.into_iter().chain(["granule", "meta-sets", "meta-ways", "faults"])
+}
+
 /// What version B depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MetaConfig {

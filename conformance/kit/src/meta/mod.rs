@@ -91,6 +91,10 @@ impl Kind for Meta {
         Ok(Box::new(TagsServed::new(config, &make)?))
     }
 
+    fn keys(&self) -> Vec<&'static str> {
+        config::keys().collect()
+    }
+
     fn comparison<'a>(
         &self,
         session: &'a Session,

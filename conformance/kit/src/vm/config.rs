@@ -24,6 +24,9 @@ pub const MAX_MEMORY: Bytes = Bytes(128 << 20);
 /// Most lines of a session: the kit holds the metadata of each.
 const MAX_LINES: u64 = 1 << 21;
 
+/// The keys of a configuration.
+pub const KEYS: [&str; 5] = ["line", "lines", "ways", "hash", "policy"];
+
 /// The name of one of `choices`.
 #[must_use]
 pub fn name_of<T: PartialEq>(choices: Choices<T>, value: &T) -> &'static str {
@@ -58,7 +61,7 @@ pub fn parse(config: &str) -> Result<CacheConfig, String> {
             "ways" => ways = Some(number()?),
             "hash" => hash = Some(named(HASHES, value).map_err(wrong)?),
             "policy" => policy = Some(named(POLICIES, value).map_err(wrong)?),
-            _ => return Err(format!("'{key}': the keys are line, lines, ways, hash, policy")),
+            _ => return Err(format!("'{key}': the keys are {}", KEYS.join(", "))),
         }
     }
     let missing = |key: &str| format!("{key} is missing");

@@ -78,6 +78,10 @@ impl Kind for Vm {
         Ok(Box::new(CacheServed::new(config, &make)?))
     }
 
+    fn keys(&self) -> Vec<&'static str> {
+        config::KEYS.to_vec()
+    }
+
     fn comparison<'a>(
         &self,
         session: &'a Session,
