@@ -11,14 +11,15 @@ use crate::kind::Kind;
 use crate::serve::Unsupported;
 use crate::vm::Vm;
 use crate::vm::cache::{Access, Cache, CacheServed, Outcome};
+use crate::vm::config::KEYS;
 use crate::vm::request::Observes;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use libloading::Library;
 use saarcor_model::hash::Hash;
 use saarcor_model::set::Policy;
 use saarcor_model::units::{CardAddr, HostAddr};
 use saarcor_model::vm::CacheConfig;
-use std::io::{Read, Write};
+use std::io::{BufRead as _, BufReader, Read, Write};
 use std::path::Path;
 
 /// `SAARCOR_VM_VERSION`.
@@ -91,10 +92,10 @@ impl Cache for LibraryCache {
         unsafe { (self.0.read)(host.0, bytes.as_mut_ptr(), bytes.len() as u32, &raw mut answered) };
         let evicted = Some(answered.evicted).filter(|&evicted| evicted != NOTHING_EVICTED);
         let outcome = match answered.hit {
-            0 => Outcome::Miss(evicted.map(|evicted| HostAddr(evicted as u32))),
+            0 => Outcome::Miss(evicted.map(|evicted| HostAddr(address(evicted)))),
             _ => Outcome::Hit,
         };
-        Access { card: CardAddr(answered.card as u32), outcome }
+        Access { card: CardAddr(address(answered.card)), outcome }
     }
 
     fn invalidate(&mut self, host: HostAddr, len: u64) {
@@ -106,6 +107,11 @@ impl Cache for LibraryCache {
         // SAFETY: takes nothing.
         unsafe { (self.0.flush)() }
     }
+}
+
+/// An address that a library tells; one of more than 32 bits is the greatest, and so as wrong.
+fn address(told: u64) -> u32 {
+    u32::try_from(told).unwrap_or(u32::MAX)
 }
 
 fn configured(calls: Calls, config: &CacheConfig) -> Result<Box<dyn Cache>, Unsupported> {
@@ -124,10 +130,9 @@ fn configured(calls: Calls, config: &CacheConfig) -> Result<Box<dyn Cache>, Unsu
     let config = Config { line, lines, ways, hash, policy };
     // SAFETY: the pointer is that of a configuration, which outlives the call.
     let unsupported = unsafe { (calls.configure)(&raw const config) };
-    let keys = ["line", "lines", "ways", "hash", "policy"];
     match unsupported {
         0 => Ok(Box::new(LibraryCache(calls))),
-        key => Err(Unsupported(keys.get(key as usize - 1).unwrap_or(&"config").to_string())),
+        key => Err(Unsupported(KEYS.get(key as usize - 1).map_or(key.to_string(), |key| (*key).to_owned()))),
     }
 }
 
@@ -136,7 +141,7 @@ fn configured(calls: Calls, config: &CacheConfig) -> Result<Box<dyn Cache>, Unsu
 ///
 /// # Errors
 /// Where the file is no such library, or a stream fails.
-pub fn serve(path: &Path, input: impl Read, output: impl Write) -> Result<()> {
+pub fn serve(path: &Path, input: impl Read, mut output: impl Write) -> Result<()> {
     let shown = path.display();
     // SAFETY: to load a library runs what it begins with, which is as trustworthy as a command line
     // that is run.
@@ -145,13 +150,19 @@ pub fn serve(path: &Path, input: impl Read, output: impl Write) -> Result<()> {
     // SAFETY: take nothing, and the library is loaded.
     let (version, observed) = unsafe { ((calls.version)(), (calls.observes)()) };
     if version != VERSION {
-        bail!("{shown}: has version {version} of saarcor.h; {VERSION} is right");
+        // As a program of another version does: the judge says what is right.
+        let mut hello = String::new();
+        BufReader::new(input).read_line(&mut hello)?;
+        return Ok(writeln!(output, "{} {version}", Vm.name())?);
     }
     let seen = |bit: u32| observed & bit != 0;
     let observes = Observes { data: seen(1), hit: seen(2), card: seen(4), evict: seen(8) };
     let make = move |kind: &dyn Kind, text: &str| {
         if kind.name() != Vm.name() {
             return Err(Unsupported(kind.name().to_owned()));
+        }
+        if observed > 15 {
+            return Err(Unsupported(format!("observes of {observed:x}")));
         }
         let mut served = CacheServed::new(text, &move |config: &CacheConfig| configured(calls, config))?;
         served.observes = observes;
