@@ -36,7 +36,8 @@ pub fn shrink(
     let mut shrinking =
         Shrinking { kind, session, requests, finding, stop, fails, tries: 0, cut_short: false };
     shrinking.cut();
-    shrinking.leave_out();
+    // What is left out of a scene can make another one, which is harder to simplify than the whole.
+    shrinking.simplify_session();
     shrinking.simplify_session();
     shrinking.simplify_config();
     shrinking.simplify_requests();
