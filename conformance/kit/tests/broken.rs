@@ -5,6 +5,7 @@
 use rayon::prelude::*;
 use saarcor_kit::chip::Chip;
 use saarcor_kit::dut::Dut;
+use saarcor_kit::hash::SetHash;
 use saarcor_kit::judge::Judge;
 use saarcor_kit::kd::Kd;
 use saarcor_kit::kind::Kind;
@@ -76,19 +77,32 @@ fn some_fail(dut: &dyn Dut, kind: &dyn Kind, failure: &Session, length: usize) -
     if alphabet.len().pow(length as u32) > MOST_TRIED {
         return false;
     }
-    (0..alphabet.len().pow(length as u32)).any(|mut number| {
-        let requests: Vec<_> = (0..length)
-            .map(|_| {
-                let request = alphabet[number % alphabet.len()].as_bytes();
-                number /= alphabet.len();
-                request
-            })
-            .collect();
-        let session = failure.with_requests(requests);
-        let mut judge = Judge::new(kind, &session, Level::HIGHEST);
-        dut.converse(&session, &mut judge, &Stop::never()).expect("it runs");
-        !judge.findings().is_empty()
-    })
+    let requests_of = |mut number: usize| -> Vec<&[u8]> {
+        let digits = (0..length).map(|_| {
+            let request = alphabet[number % alphabet.len()].as_bytes();
+            number /= alphabet.len();
+            request
+        });
+        digits.collect()
+    };
+    let numbers = 0..alphabet.len().pow(length as u32);
+    let tried: Vec<_> = numbers.map(requests_of).collect();
+    let is_legal =
+        |requests: &&Vec<&[u8]>| kind.check(&failure.with_requests(requests.iter().copied())).is_ok();
+    let tried: Vec<_> = tried.iter().filter(is_legal).collect();
+    let first_wrong = |session: &Session| {
+        let mut judge = Judge::new(kind, session, Level::HIGHEST);
+        dut.converse(session, &mut judge, &Stop::never()).expect("it runs");
+        judge.findings().first().map(|finding| finding.request)
+    };
+    let fails = |requests: &[&[u8]]| first_wrong(&failure.with_requests(requests.iter().copied())).is_some();
+    // To start a program takes most of the time. So all are first asked for in one conversation, each
+    // behind a flush, which begins anew; sets have nothing to begin anew with.
+    let between: &[&[u8]] = if kind.name() == SetHash.name() { &[] } else { &[b"flush"] };
+    let all = tried.iter().flat_map(|requests| between.iter().chain(requests.iter()).copied());
+    let Some(wrong) = first_wrong(&failure.with_requests(all)) else { return false };
+    let suspect = wrong.and_then(|request| tried.get(request / (between.len() + length)));
+    suspect.is_some_and(|requests| fails(requests)) || tried.iter().any(|requests| fails(requests))
 }
 
 /// The templates that are programs of Python: starting it takes most of the time.
