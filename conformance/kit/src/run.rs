@@ -249,16 +249,7 @@ fn failure(
     if let Some(error) = trouble {
         return Err(error);
     }
-    // A directed session is about its requirement, whatever differs; but for a conversation that
-    // breaks off, unless it is about answers and their form.
-    let requirement = match (&session.requirement, finding.level) {
-        (Some(about), level)
-            if level > Level::Protocol || (about.starts_with("P-") && finding.requirement == "P-5") =>
-        {
-            about.clone()
-        }
-        _ => finding.requirement.to_owned(),
-    };
+    let requirement = requirement(session, &finding);
     Ok(Failure {
         requirement,
         level: finding.level,
@@ -279,6 +270,20 @@ fn failure(
         replay: None,
     })
 }
+
+/// The requirement that a session fails for. A directed one is about its own, whatever differs; but for
+/// bytes, unless it is about bytes, and a conversation that breaks off, unless it is about answers and
+/// their form.
+fn requirement(session: &Session, finding: &Finding) -> String {
+    let own = finding.requirement.to_owned();
+    let Some(about) = session.requirement.clone() else { return own };
+    let of_bytes = finding.level == Level::Data && session.level != Some(Level::Data);
+    let breaks_off = finding.level == Level::Protocol && !(about.starts_with("P-") && own == "P-5");
+    if breaks_off || of_bytes || own == ENTRY_BYTES { own } else { about }
+}
+
+/// The requirement of what an entry of metadata consists of.
+const ENTRY_BYTES: &str = "VM-12";
 
 /// What a report is made of.
 struct Summary<'a> {

@@ -74,7 +74,7 @@ fn moves(right: &[Moved], got: &[Moved], corrupted: bool) -> Option<(&'static st
         {
             let byte = right.iter().zip(got).take_while(|(right, got)| right == got).count();
             Some((
-                "VM-12",
+                if corrupted { "VM-14" } else { "VM-12" },
                 format!("granule {granule:x} is written back with other bytes, from byte {byte} on"),
             ))
         }
