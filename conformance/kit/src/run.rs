@@ -21,9 +21,9 @@ pub const RANDOM_REQUESTS: usize = 2_000_000;
 pub const ERRORS: usize = 20;
 /// Least random sessions: each configuration has its turn.
 const RANDOM_SESSIONS: usize = 24;
-/// Most requests of a random session: so many that starting it takes little of its time, and so few
-/// that many fit into memory.
-const SESSION_REQUESTS: usize = 50_000;
+/// Most requests of a random session: so many that starting it takes little of its time, and that a
+/// count of 16 bits runs over; and so few that many fit into memory.
+const SESSION_REQUESTS: usize = 100_000;
 /// Failures that are shrunk: of each requirement and level the first, and no more than these.
 const SHOWN_FAILURES: usize = 8;
 

@@ -109,7 +109,10 @@ impl Writer {
             850..890 => {
                 self.write(line, true);
                 if most > 1 && self.random.percent(75) {
-                    self.invalidate(line, 1);
+                    // The line is the first of the range, the last, or in the middle.
+                    let before = self.random.pick(&[0, 0, 0, 1, 2]).min(line);
+                    let lines = before + self.random.pick(&[1, 1, 1, 2, 3]);
+                    self.invalidate(line - before, lines);
                     return 2;
                 }
             }
