@@ -94,6 +94,7 @@ pub const HASH: &[(&str, &str)] = suites![
     "hash/added-once-or-all",
     "hash/top-bits",
     "hash/one-set",
+    "hash/any-power-of-two",
 ];
 
 /// Suites of `saarcor-meta`.
@@ -105,6 +106,7 @@ pub const META: &[(&str, &str)] = suites![
     "meta/one-way",
     "meta/granules-of-a-set",
     "meta/youngest-changes-nothing",
+    "meta/invalidate-an-absent-line",
     "meta/changed-granules-alone",
     "meta/update-is-not-dropped",
     "meta/written-back-when-pushed-out",
@@ -117,8 +119,8 @@ pub const META: &[(&str, &str)] = suites![
     "meta/line-in-the-entry",
     "meta/management-bits-in-the-entry",
     "meta/check-bits-in-the-entry",
+    "meta/behind-the-last-set",
     "meta/invalidation-changes-one-bit",
-    "meta/invalidate-an-absent-line",
     "meta/invalidated-line-is-gone",
     "meta/free-way-is-no-victim",
     "meta/granules-of-a-range",
@@ -126,6 +128,7 @@ pub const META: &[(&str, &str)] = suites![
     "meta/flush-drops-what-was-written",
     "meta/corrupt-set-is-empty",
     "meta/each-check-bit-counts",
+    "meta/bits-turn-over",
     "meta/corrupt-free-way",
     "meta/corrupt-set-is-written-whole",
     "meta/neighbour-of-a-corrupt-set",
