@@ -58,18 +58,16 @@ struct Shrinking<'a, 'f> {
 }
 
 impl Shrinking<'_, '_> {
-    /// Whether nothing more is tried.
-    fn is_over(&self) -> bool {
-        self.tries == MAX_TRIES || self.stop.has_come()
+    /// Whether nothing more is tried, though there is something to try.
+    fn is_over(&mut self) -> bool {
+        let is_over = self.tries == MAX_TRIES || self.stop.has_come();
+        self.cut_short |= is_over;
+        is_over
     }
 
     /// Takes `session` for the shortest if it fails.
     fn take(&mut self, session: Session) -> bool {
-        if self.kind.check(&session).is_err() {
-            return false;
-        }
-        if self.is_over() {
-            self.cut_short = true;
+        if self.is_over() || self.kind.check(&session).is_err() {
             return false;
         }
         self.tries += 1;
@@ -99,6 +97,10 @@ impl Shrinking<'_, '_> {
             // From the end on: what fails stands there, and what it needs often shortly before.
             let mut end = self.requests.len();
             while end > 0 {
+                // To go through the parts of a long session takes time, even if none is tried.
+                if self.is_over() {
+                    return;
+                }
                 let begin = end.saturating_sub(part);
                 let mut requests = self.requests.clone();
                 requests.drain(begin..end);
@@ -110,7 +112,7 @@ impl Shrinking<'_, '_> {
             }
             if part > 1 {
                 part /= 2;
-            } else if !left_out || self.is_over() {
+            } else if !left_out {
                 return;
             }
         }
@@ -138,6 +140,9 @@ impl Shrinking<'_, '_> {
 
     fn simplify_requests(&mut self) {
         for place in 0..self.requests.len() {
+            if self.is_over() {
+                return;
+            }
             for simpler in self.kind.simpler_requests(&self.session, &self.requests[place]) {
                 let mut requests = self.requests.clone();
                 requests[place] = simpler.into_bytes();
