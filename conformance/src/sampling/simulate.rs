@@ -63,24 +63,22 @@ pub fn simulate_sample(
     let rough = few(frame);
     report(0.2);
 
-    // What one thread does alone is done while packets are traced.
     let caches_after = |frames: &[Traced]| Caches::after(frames.iter().map(|frame| &frame.programs), config);
-    let (rough_caches, before) = rayon::join(
-        || caches_after(&before),
-        || -> Vec<Traced> {
-            before.iter().zip(frame - warm_up..).map(|(few, frame)| in_full(few, frame)).collect()
-        },
-    );
-    let (fine_caches, fine) = rayon::join(|| caches_after(&before), || in_full(&rough, frame));
-    let (rough_caches, fine_caches) = (rough_caches?, fine_caches?);
+    let fine_before: Vec<Traced> =
+        before.iter().zip(frame - warm_up..).map(|(few, frame)| in_full(few, frame)).collect();
+    // What one thread does alone is done while packets are traced, and then beside the run in time.
+    let (caches, fine) = rayon::join(|| caches_after(&fine_before), || in_full(&rough, frame));
+    let caches = caches?;
     report(0.5);
     let (in_fine, (in_rough, neighbours)) = rayon::join(
-        || Counts::of(&fine, fine_caches, config, &plan),
+        || Counts::of(&fine, caches, config, &plan),
         || {
-            let neighbours = Neighbours::of(lines_of_blocks(&rough, config, &plan), &fine, config, &plan);
-            (Counts::of(&rough, rough_caches, config, &plan), neighbours)
+            let in_rough = caches_after(&before).map(|caches| Counts::of(&rough, caches, config, &plan));
+            let few = lines_of_blocks(&rough, config, &plan);
+            (in_rough, Neighbours::of(few, &fine, config, &plan))
         },
     );
+    let in_rough = in_rough?;
     let sample = Sample { plan: &plan, config, rough: in_rough, fine: in_fine, neighbours };
     Ok(SampleRow::new(of, part, &plan, sample.quantities()))
 }
