@@ -8,8 +8,8 @@ use anyhow::{Context, Result};
 use saarcor_model::kdtree::{Aabb, Axis, KdTree, Node};
 use saarcor_model::scene::Triangle;
 use saarcor_scenes::kdbuild::BuildOptions;
-use std::fs;
-use std::io::Write;
+use std::fs::{self, File};
+use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use xxhash_rust::xxh3::{Xxh3, xxh3_128};
@@ -103,14 +103,27 @@ const EXTENSION: &str = "kdtree";
 
 /// The file's name: a checksum of all that a tree depends on.
 fn name(triangles: &[Triangle], options: &BuildOptions) -> Result<String> {
-    let program = std::env::current_exe().and_then(fs::read).context("the program itself")?;
     let mut all = Xxh3::new();
-    all.update(&program);
+    checksum_program(&mut all).context("the program itself")?;
     all.update(format!("{options:?}").as_bytes());
     for corner in triangles.iter().flat_map(|triangle| triangle.corners) {
         all.update(corner.to_array().map(f32::to_le_bytes).as_flattened());
     }
     Ok(format!("{:032x}.{EXTENSION}", all.digest128()))
+}
+
+/// Piece by piece, since it is large: to have memory for all of it would take longer than the checksum.
+fn checksum_program(sum: &mut Xxh3) -> io::Result<()> {
+    let mut program = BufReader::with_capacity(1 << 16, File::open(std::env::current_exe()?)?);
+    loop {
+        let piece = program.fill_buf()?;
+        if piece.is_empty() {
+            return Ok(());
+        }
+        sum.update(piece);
+        let read = piece.len();
+        program.consume(read);
+    }
 }
 
 /// Words of a file before the nodes: the box, and the numbers of nodes and references.
@@ -141,19 +154,22 @@ fn decode(bytes: &[u8], triangles: usize) -> Option<KdTree> {
         return None;
     }
     let (words, []) = bytes.as_chunks() else { return None };
-    let words: Vec<u32> = words.iter().map(|&word| u32::from_le_bytes(word)).collect();
     let (header, words) = words.split_first_chunk::<HEADER>()?;
+    let header = header.map(u32::from_le_bytes);
     let corner =
         |first: usize| glam::Vec3::from_array(std::array::from_fn(|k| f32::from_bits(header[first + k])));
     let (nodes, refs) = words.split_at_checked(3 * header[6] as usize)?;
-    let node = |&[kind, a, b]: &[u32; 3]| match Axis::ALL.get(kind as usize) {
-        Some(&axis) => Node::Inner { axis, split: f32::from_bits(a), children: b },
-        None => Node::Leaf { first: a, count: b },
+    let node = |words: &[[u8; 4]; 3]| {
+        let [kind, a, b] = words.map(u32::from_le_bytes);
+        match Axis::ALL.get(kind as usize) {
+            Some(&axis) => Node::Inner { axis, split: f32::from_bits(a), children: b },
+            None => Node::Leaf { first: a, count: b },
+        }
     };
     let tree = KdTree {
         bounds: Aabb { min: corner(0), max: corner(3) },
         nodes: nodes.as_chunks().0.iter().map(node).collect(),
-        refs: refs.to_vec(),
+        refs: refs.iter().map(|&word| u32::from_le_bytes(word)).collect(),
     };
     (refs.len() == header[7] as usize && tree.check(triangles).is_ok()).then_some(tree)
 }
