@@ -52,7 +52,7 @@ pub fn simulate_observed(
     config: &ChipConfig,
     observer: &mut impl Observer,
 ) -> Result<Report, ConfigError> {
-    let caches = Caches::after(before, config)?;
+    let caches = Caches::after(before, programs.triangles, config)?;
     Ok(simulate_part(caches, programs, &vec![true; programs.packets.len()], observer))
 }
 

@@ -230,7 +230,7 @@ fn what_packets_do_adds_up_to_the_report() {
 }
 
 fn empty(config: &ChipConfig) -> Caches {
-    Caches::after(&[], config).expect("a chip")
+    Caches::after(&[], HostAddr(0), config).expect("a chip")
 }
 
 #[test]

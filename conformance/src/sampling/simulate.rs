@@ -63,7 +63,9 @@ pub fn simulate_sample(
     let rough = few(frame);
     report(0.2);
 
-    let caches_after = |frames: &[Traced]| Caches::after(frames.iter().map(|frame| &frame.programs), config);
+    let triangles = world.image.registers.triangles;
+    let caches_after =
+        |frames: &[Traced]| Caches::after(frames.iter().map(|frame| &frame.programs), triangles, config);
     let fine_before: Vec<Traced> =
         before.iter().zip(frame - warm_up..).map(|(few, frame)| in_full(few, frame)).collect();
     // What one thread does alone is done while packets are traced, and then beside the run in time.

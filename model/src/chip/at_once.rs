@@ -17,22 +17,21 @@ pub struct Caches {
 }
 
 impl Caches {
-    /// Those of the chip `config` after pictures of one scene whose packets are worked on one after the
-    /// other, without time (CH-19).
+    /// Those of the chip `config` after pictures whose packets are worked on one after the other, without
+    /// time (CH-19), of a scene whose `triangles` begin there (L1-1).
     ///
     /// # Errors
     /// If the configuration makes no chip.
     pub fn after<'a>(
         before: impl IntoIterator<Item = &'a Programs>,
+        triangles: HostAddr,
         config: &ChipConfig,
     ) -> Result<Self, ConfigError> {
         config.check()?;
-        let mut before = before.into_iter().peekable();
-        let triangles = before.peek().map_or(HostAddr(0), |programs| programs.triangles);
         let nothing = Programs { packets: Vec::new(), triangles };
         let (mut nobody, in_time) = ((), []);
         let mut chip = Chip::new(&nothing, &in_time, config, &mut nobody);
-        for operation in before.flat_map(|programs| &programs.packets).flatten() {
+        for operation in before.into_iter().flat_map(|programs| &programs.packets).flatten() {
             chip.read_at_once(operation, None);
         }
         Ok(Self { config: *config, l1: chip.l1.map(|l1| l1.directory), tags: chip.tags })
