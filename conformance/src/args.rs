@@ -1,6 +1,6 @@
 //! What arguments mean, and the groups of arguments that verbs share.
 
-use crate::kept_trees::KeptTrees;
+use crate::kept_worlds::KeptWorlds;
 use crate::limits::check_state;
 use crate::simulate::PacketOrder;
 use crate::standard;
@@ -199,7 +199,7 @@ impl SceneArgs {
             tree: BuildOptions { rule: self.tree, ..BuildOptions::default() },
             kernel: self.kernel.unwrap_or_default(),
             last_frame,
-            kept_trees: KeptTrees::of_user(),
+            kept: KeptWorlds::of_user(),
         }
     }
 }

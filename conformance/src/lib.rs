@@ -34,7 +34,7 @@ pub mod conform;
 pub mod crosscheck;
 pub mod curve;
 pub mod embree;
-pub mod kept_trees;
+pub mod kept_worlds;
 pub mod limits;
 pub mod metadata;
 mod names;

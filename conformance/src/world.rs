@@ -1,18 +1,18 @@
 //! A scene made ready for the chip: loaded or generated, its kd-tree built, laid out in host
 //! memory.
 
-use crate::kept_trees::KeptTrees;
+use crate::kept_worlds::KeptWorlds;
 use crate::names::nearest;
 use crate::progress::Progress;
 use anyhow::{Context, Result, bail};
-use saarcor_model::image::HostImage;
+use saarcor_model::image::{HostImage, ImageError};
 use saarcor_model::intersection::Kernel;
 use saarcor_model::kdtree::{KdTree, Node};
 use saarcor_model::scene::{Camera, Features, Scene};
-use saarcor_scenes::builtin;
 use saarcor_scenes::kdbuild::{self, BuildOptions};
-use std::path::Path;
-use std::time::Instant;
+use saarcor_scenes::{builtin, load_obj_and_files};
+use std::path::{Path, PathBuf};
+use std::time::{Instant, SystemTime};
 
 /// What to make ready, and how.
 #[derive(Clone, Debug)]
@@ -32,8 +32,8 @@ pub struct WorldOptions {
     /// The last frame that will be asked for: a path without it is refused before the kd-tree is
     /// built.
     pub last_frame: Option<usize>,
-    /// Where kd-trees are kept from run to run, if they are.
-    pub kept_trees: Option<KeptTrees>,
+    /// Where worlds are kept from run to run, if they are.
+    pub kept: Option<KeptWorlds>,
 }
 
 impl WorldOptions {
@@ -49,7 +49,7 @@ impl WorldOptions {
             tree: BuildOptions::default(),
             kernel: Kernel::default(),
             last_frame: None,
-            kept_trees: None,
+            kept: None,
         }
     }
 }
@@ -71,7 +71,8 @@ pub struct World {
     pub image: HostImage,
     /// Facts about the kd-tree.
     pub tree: TreeFacts,
-    /// Seconds that it took to load or generate the scene, to build or find its tree, to lay it out.
+    /// Seconds that it took to load or generate the scene, to build its tree, to lay it out. A kept world
+    /// is loaded as it is.
     pub seconds: [f64; 3],
 }
 
@@ -92,78 +93,90 @@ impl World {
     /// # Errors
     /// If there is no such scene, it cannot be read, or it does not fit the chip.
     pub fn open(options: &WorldOptions, progress: &Progress) -> Result<Self> {
-        Self::open_with_tree(options, progress).map(|(world, ..)| world)
-    }
-
-    /// [`World::open`], with the scene itself: its triangles in their own order.
-    ///
-    /// # Errors
-    /// As there.
-    pub fn open_with_scene(options: &WorldOptions, progress: &Progress) -> Result<(Self, Scene)> {
-        Self::open_with_tree(options, progress).map(|(world, scene, _)| (world, scene))
-    }
-
-    /// [`World::open`], laid out anew for the triangle test that `choose` names when it has seen the
-    /// world with the test of `options`.
-    ///
-    /// # Errors
-    /// As there, and those of `choose`.
-    pub fn open_choosing(
-        options: &WorldOptions,
-        progress: &Progress,
-        choose: impl FnOnce(&Self) -> Result<Kernel>,
-    ) -> Result<Self> {
-        let (mut world, scene, tree) = Self::open_with_tree(options, progress)?;
-        let kernel = choose(&world)?;
-        if kernel != options.kernel {
-            world.image = lay_out(&scene, &tree, &WorldOptions { kernel, ..options.clone() }, progress)?;
+        let (now, started) = (SystemTime::now(), Instant::now());
+        let Some(kept) = &options.kept else { return Self::make(options, progress).map(|made| made.world) };
+        if let Some(world) = progress.during(&format!("{}: scene", options.scene), |_| kept.find(options)) {
+            check_frames(options, &world.path)?;
+            return Ok(Self { seconds: [started.elapsed().as_secs_f64(), 0.0, 0.0], ..world });
         }
+        let Made { world, files, .. } = Self::make(options, progress)?;
+        kept.keep(options, now, &files, &world);
         Ok(world)
     }
 
-    fn open_with_tree(options: &WorldOptions, progress: &Progress) -> Result<(Self, Scene, KdTree)> {
+    /// The world, made anew, with the scene itself: its triangles in their own order.
+    ///
+    /// # Errors
+    /// As for [`World::open`].
+    pub fn open_with_scene(options: &WorldOptions, progress: &Progress) -> Result<(Self, Scene)> {
+        Self::make(options, progress).map(|made| (made.world, made.scene))
+    }
+
+    fn make(options: &WorldOptions, progress: &Progress) -> Result<Made> {
         let started = Instant::now();
-        let scene = progress.during(&format!("{}: scene", options.scene), |_| open_scene(options))?;
+        let (scene, files) =
+            progress.during(&format!("{}: scene", options.scene), |_| open_scene_and_files(options))?;
         let loaded = started.elapsed().as_secs_f64();
-        let frames = scene.path.len();
-        if let Some(frame) = options.last_frame.filter(|&frame| frame >= frames) {
-            bail!(
-                "frame {frame}: the path of {} has the frames 0 to {}",
-                options.scene,
-                frames.saturating_sub(1)
-            );
-        }
+        check_frames(options, &scene.path)?;
         let started = Instant::now();
         let tree = progress.during(&format!("{}: kd-tree", options.scene), |report| {
-            let build = || kdbuild::build(&scene.triangles, &options.tree, report);
-            match &options.kept_trees {
-                Some(kept) => kept.tree(&scene.triangles, &options.tree, build),
-                None => build(),
-            }
+            kdbuild::build(&scene.triangles, &options.tree, report)
         });
         let built = started.elapsed().as_secs_f64();
         let started = Instant::now();
-        let image = lay_out(&scene, &tree, options, progress)?;
-        let leaves = tree.nodes.iter().filter(|node| matches!(node, Node::Leaf { .. })).count();
+        let image = progress
+            .during(&format!("{}: host image", options.scene), |_| {
+                HostImage::build(&scene, &tree, options.kernel)
+            })
+            .with_context(|| format!("scene {}", options.scene))?;
         let world = Self {
-            name: options.scene.clone(),
+            seconds: [loaded, built, started.elapsed().as_secs_f64()],
+            ..Self::of(&options.scene, &scene, &tree, image)
+        };
+        Ok(Made { world, scene, files })
+    }
+
+    /// The world of no scene.
+    pub(crate) fn blank(options: &WorldOptions) -> Result<Self, ImageError> {
+        let scene = Scene::default();
+        let tree = kdbuild::build(&scene.triangles, &options.tree, &|_| ());
+        let image = HostImage::build(&scene, &tree, options.kernel)?;
+        Ok(Self::of(&options.scene, &scene, &tree, image))
+    }
+
+    fn of(name: &str, scene: &Scene, tree: &KdTree, image: HostImage) -> Self {
+        let leaves = tree.nodes.iter().filter(|node| matches!(node, Node::Leaf { .. })).count();
+        Self {
+            name: name.to_owned(),
             features: image.registers.features,
             triangles: scene.triangles.len(),
             degenerate: scene.triangles.iter().filter(|triangle| triangle.is_degenerate()).count(),
             tree: TreeFacts { nodes: tree.nodes.len(), leaves, refs: tree.refs.len() },
             path: scene.path.clone(),
             image,
-            seconds: [loaded, built, started.elapsed().as_secs_f64()],
-        };
-        Ok((world, scene, tree))
+            seconds: [0.0; 3],
+        }
     }
 }
 
-/// The scene in host memory.
-fn lay_out(scene: &Scene, tree: &KdTree, options: &WorldOptions, progress: &Progress) -> Result<HostImage> {
-    progress
-        .during(&format!("{}: host image", options.scene), |_| HostImage::build(scene, tree, options.kernel))
-        .with_context(|| format!("scene {}", options.scene))
+/// A world, and what it was made of.
+struct Made {
+    world: World,
+    scene: Scene,
+    /// The files that the scene depends on.
+    files: Vec<PathBuf>,
+}
+
+fn check_frames(options: &WorldOptions, path: &[Camera]) -> Result<()> {
+    let frames = path.len();
+    if let Some(frame) = options.last_frame.filter(|&frame| frame >= frames) {
+        bail!(
+            "frame {frame}: the path of {} has the frames 0 to {}",
+            options.scene,
+            frames.saturating_sub(1)
+        );
+    }
+    Ok(())
 }
 
 /// Loads the OBJ file or generates the built-in scene that `options` names.
@@ -171,10 +184,15 @@ fn lay_out(scene: &Scene, tree: &KdTree, options: &WorldOptions, progress: &Prog
 /// # Errors
 /// If there is no such scene or file, or it is no scene.
 pub fn open_scene(options: &WorldOptions) -> Result<Scene> {
+    open_scene_and_files(options).map(|(scene, _)| scene)
+}
+
+/// [`open_scene`], and the files that the scene depends on.
+fn open_scene_and_files(options: &WorldOptions) -> Result<(Scene, Vec<PathBuf>)> {
     let name = &options.scene;
-    let mut scene = match builtin::builtin(name) {
-        Some(scene) => scene,
-        None if looks_like_a_path(name) => saarcor_scenes::load_obj(Path::new(name))?,
+    let (mut scene, files) = match builtin::builtin(name) {
+        Some(scene) => (scene, Vec::new()),
+        None if looks_like_a_path(name) => load_obj_and_files(Path::new(name))?,
         None => bail!("unknown scene '{name}': {}", suggestion(name)),
     };
     if let Some(lights) = options.lights {
@@ -191,11 +209,11 @@ pub fn open_scene(options: &WorldOptions) -> Result<Scene> {
         }
     }
     scene.mip_maps = !options.no_mip_maps;
-    Ok(scene)
+    Ok((scene, files))
 }
 
 /// Whether a scene's name is meant as a file: it has a folder or an extension, or exists.
-fn looks_like_a_path(name: &str) -> bool {
+pub(crate) fn looks_like_a_path(name: &str) -> bool {
     let path = Path::new(name);
     path.components().count() > 1 || path.extension().is_some() || path.exists()
 }

@@ -21,6 +21,6 @@ mod text;
 pub use csv::{read_cameras, read_lights};
 pub use error::SceneError;
 pub use export::export_obj;
-pub use obj::load_obj;
+pub use obj::{load_obj, load_obj_and_files};
 pub use overview::overview;
 pub use random::Random;

@@ -5,7 +5,7 @@ pub(crate) mod materials;
 mod textures;
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::{Vec2, Vec3};
 use saarcor_model::scene::{Material, Scene, Triangle};
@@ -36,8 +36,19 @@ use textures::Textures;
 ///
 /// The first thing that is wrong in the files, with file and line; there are no partial scenes.
 pub fn load_obj(path: &Path) -> Result<Scene, SceneError> {
+    load_obj_and_files(path).map(|(scene, _)| scene)
+}
+
+/// [`load_obj`], and the files that the scene depends on: those it was read from, and those that were
+/// looked for and do not exist.
+///
+/// # Errors
+///
+/// As there.
+pub fn load_obj_and_files(path: &Path) -> Result<(Scene, Vec<PathBuf>), SceneError> {
+    let mut files = vec![path.to_owned()];
     let text = read_text(path)?;
-    let libraries = load_libraries(path, &text)?;
+    let libraries = load_libraries(path, &text, &mut files)?;
     let sources: Vec<Source> = libraries
         .iter()
         .flat_map(|library| library.materials.iter().map(move |material| (library, material)))
@@ -45,7 +56,7 @@ pub fn load_obj(path: &Path) -> Result<Scene, SceneError> {
     let meshes = read_meshes(path, &text, &sources)?;
 
     let mut scene = Scene::default();
-    load_materials(&mut scene, &meshes, &sources)?;
+    load_materials(&mut scene, &meshes, &sources, &mut files)?;
     add_triangles(&mut scene, &meshes);
 
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -54,6 +65,7 @@ pub fn load_obj(path: &Path) -> Result<Scene, SceneError> {
         scene.lights = read_lights(&lights)?;
     }
     let cameras = folder.join(CAMERA_CSV);
+    files.extend([lights, cameras.clone()]);
     if cameras.exists() {
         scene.path = read_cameras(&cameras)?;
     } else {
@@ -63,15 +75,15 @@ pub fn load_obj(path: &Path) -> Result<Scene, SceneError> {
         })?;
         scene.path.push(camera);
     }
-    Ok(scene)
+    Ok((scene, files))
 }
 
 /// A material as its file states it.
 type Source<'a> = (&'a Library, &'a tobj::Material);
 
 /// Loads the MTL files that the `mtllib` statements name. A statement names one file, whose name
-/// may hold spaces, or several without.
-fn load_libraries(path: &Path, text: &str) -> Result<Vec<Library>, SceneError> {
+/// may hold spaces, or several without. Adds to `files` those that were looked for.
+fn load_libraries(path: &Path, text: &str, files: &mut Vec<PathBuf>) -> Result<Vec<Library>, SceneError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut libraries = Vec::new();
     // Looking at the begin of a line is faster than splitting each one.
@@ -81,10 +93,12 @@ fn load_libraries(path: &Path, text: &str) -> Result<Vec<Library>, SceneError> {
             continue;
         };
         let rest = rest.replace('\\', "/");
-        let names: Vec<&str> = match folder.join(&rest).is_file() {
+        let whole = folder.join(&rest);
+        let names: Vec<&str> = match whole.is_file() {
             true => vec![&rest],
             false => rest.split_whitespace().collect(),
         };
+        files.push(whole);
         if names.is_empty() {
             let reason = "mtllib: the MTL file's name is missing";
             return Err(SceneError::at_line(path, index + 1, reason));
@@ -96,6 +110,7 @@ fn load_libraries(path: &Path, text: &str) -> Result<Vec<Library>, SceneError> {
                 return Err(SceneError::at_line(path, index + 1, reason));
             }
             libraries.push(Library::load(&file)?);
+            files.push(file);
         }
     }
     Ok(libraries)
@@ -127,8 +142,14 @@ fn read_meshes(path: &Path, text: &str, sources: &[Source]) -> Result<Vec<tobj::
     Ok(meshes)
 }
 
-/// Adds the materials, and the images that the meshes show, to the scene.
-fn load_materials(scene: &mut Scene, meshes: &[tobj::Mesh], sources: &[Source]) -> Result<(), SceneError> {
+/// Adds the materials, and the images that the meshes show, to the scene, and the images' files to
+/// `files`.
+fn load_materials(
+    scene: &mut Scene,
+    meshes: &[tobj::Mesh],
+    sources: &[Source],
+    files: &mut Vec<PathBuf>,
+) -> Result<(), SceneError> {
     let mut mapped = vec![false; sources.len()];
     let mut unnamed = false;
     for mesh in meshes.iter().filter(|mesh| !mesh.indices.is_empty()) {
@@ -146,6 +167,7 @@ fn load_materials(scene: &mut Scene, meshes: &[tobj::Mesh], sources: &[Source]) 
         }
         scene.materials.push(material);
     }
+    files.extend(textures.files().map(Path::to_owned));
     scene.images = textures.load(&mut scene.materials)?;
     if unnamed {
         scene.materials.push(Material::default());

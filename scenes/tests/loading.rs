@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use glam::{Vec2, Vec3, vec2, vec3};
 use proptest::prelude::*;
 use saarcor_model::scene::{Camera, Image, Light, Material, Scene, TexelFormat, Triangle};
-use saarcor_scenes::{SceneError, export_obj, load_obj, read_cameras, read_lights};
+use saarcor_scenes::{SceneError, export_obj, load_obj, load_obj_and_files, read_cameras, read_lights};
 use tempfile::TempDir;
 
 /// A square of which two corners have texture coordinates and all have a normal.
@@ -228,6 +228,12 @@ fn images_are_read_once_each_in_the_order_of_their_names() {
     assert_eq!(maps(&scene.materials[1]), (Some(1), Some(0), 1.0));
     assert_eq!(maps(&scene.materials[2]), (None, None, 0.0));
     assert_eq!(scene.materials[0].diffuse, Vec3::ONE);
+
+    let (same, mut depends) = load_obj_and_files(&files.path().join("a.obj")).unwrap();
+    depends.sort();
+    depends.dedup();
+    let names = ["a.mtl", "a.obj", "camera.csv", "grey.png", "lights.csv", "maps/two words.png"];
+    assert_eq!((same, depends), (scene, names.map(|name| files.path().join(name)).to_vec()));
 }
 
 // ---- Cameras and lights

@@ -137,7 +137,8 @@ impl ListArgs {
 
 impl ShowArgs {
     fn run(self, progress: &Progress) -> Result<()> {
-        let world = World::open(&self.scene.options(None), progress)?;
+        // Its seconds are those of making it.
+        let world = World::open(&WorldOptions { kept: None, ..self.scene.options(None) }, progress)?;
         let summary = Summary::of(&world);
         let mut out = Stdout::new();
         if self.json {

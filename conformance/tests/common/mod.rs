@@ -2,11 +2,11 @@
 
 #![allow(dead_code, reason = "each test file takes what it needs")]
 
-use saarcor_conformance::kept_trees::FOLDER;
+use saarcor_conformance::kept_worlds::FOLDER;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// The binary, told to be quiet and to keep no kd-trees.
+/// The binary, told to be quiet and to keep no worlds.
 pub fn saarcor(args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_saarcor"));
     command.args(args).arg("--quiet").env(FOLDER, "").stdin(Stdio::null());

@@ -74,6 +74,11 @@ impl<'a> Textures<'a> {
         self.files.entry(key).or_insert(request);
     }
 
+    /// The images' files.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.files.keys().map(|(path, _)| path.as_path())
+    }
+
     /// Decodes the images, on all cores, and tells `materials` their indices.
     ///
     /// # Errors
