@@ -12,7 +12,7 @@ use image::RgbImage;
 use rayon::prelude::*;
 use saarcor_model::chip::{CacheReport, Report, Stall, UnitReport};
 use saarcor_model::chip_config::{ChipConfig, UNIT_NAMES, Version};
-use saarcor_model::program::{Operation, Programs, Recorder};
+use saarcor_model::program::{Program, Programs, Recorder};
 use saarcor_model::raygen::Frame;
 use saarcor_model::rtp::{Pipeline, RayCounts};
 use saarcor_reference::flat::FlatMemory;
@@ -101,7 +101,7 @@ fn record_packets<const N: usize>(
     let (width, height) = options.resolution;
     let frame = Frame::new(&world.path[frame], width, height);
     let order = order.packets(frame.tiles::<N>());
-    let mut packets: Vec<Box<[Operation]>> = Vec::with_capacity(order.len());
+    let mut packets: Vec<Program> = Vec::with_capacity(order.len());
     let mut pixels = RgbImage::new(width, height);
     let mut rays = RayCounts::default();
     trace_packets::<N>(world, &frame, options.max_bounces, &order, &mut |traced| {
@@ -120,7 +120,7 @@ pub fn record_part(
     frame: usize,
     options: &TraceOptions,
     packets: &[u32],
-) -> Vec<(Box<[Operation]>, RayCounts)> {
+) -> Vec<(Program, RayCounts)> {
     match options.packet {
         PacketSize::Rays1 => programs_of::<1>(world, frame, options, packets),
         PacketSize::Rays4 => programs_of::<4>(world, frame, options, packets),
@@ -134,7 +134,7 @@ fn programs_of<const N: usize>(
     frame: usize,
     options: &TraceOptions,
     packets: &[u32],
-) -> Vec<(Box<[Operation]>, RayCounts)> {
+) -> Vec<(Program, RayCounts)> {
     let (width, height) = options.resolution;
     let frame = Frame::new(&world.path[frame], width, height);
     let mut programs = Vec::with_capacity(packets.len());
@@ -147,7 +147,7 @@ fn programs_of<const N: usize>(
 /// A packet, traced.
 struct Traced<'a, const N: usize> {
     packet: u32,
-    program: Box<[Operation]>,
+    program: Program,
     colours: &'a [Vec3; N],
     rays: RayCounts,
 }

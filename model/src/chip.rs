@@ -18,7 +18,7 @@ pub use report::{Cache, CacheReport, Found, Observer, Report, Stall, Traffic, Un
 use crate::chip_config::{ChipConfig, ConfigError, MAX_COUNT, Version};
 use crate::memory::Port;
 use crate::pci::Pci;
-use crate::program::{Operation, Programs};
+use crate::program::{Operation, Program, Programs};
 use crate::sdram::{Direction, Sdram, Span};
 use crate::set::Outcome;
 use crate::tags::{Move, Place, Tags, tags};
@@ -165,7 +165,7 @@ struct Chip<'a, O> {
     observer: &'a mut O,
     now: u64,
     /// Packets not yet begun, in order.
-    packets: std::slice::Iter<'a, Box<[Operation]>>,
+    packets: std::slice::Iter<'a, Program>,
     /// Which packets take time.
     in_time: &'a [bool],
     /// Packets handed out.

@@ -6,6 +6,7 @@
 
 use crate::memory::{Memory, Port};
 use crate::units::HostAddr;
+use std::sync::Arc;
 
 /// One step of a packet: a unit reads, and works for some rays (CH-1). 8 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,11 +37,15 @@ impl Operation {
     }
 }
 
+/// The operations of a packet, in order. Shared, since pictures may have packets in common: a sampled
+/// one takes over most of those of a rough one.
+pub type Program = Arc<[Operation]>;
+
 /// The programs of a picture's packets.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Programs {
-    /// The operations of each packet, in the order in which packets are handed out (CH-4).
-    pub packets: Vec<Box<[Operation]>>,
+    /// Those of each packet, in the order in which packets are handed out (CH-4).
+    pub packets: Vec<Program>,
     /// Address of the first triangle: where the lines of the triangle cache begin (L1-1).
     pub triangles: HostAddr,
 }
@@ -50,6 +55,11 @@ impl Programs {
     #[must_use]
     pub fn l1_base(&self, port: Port) -> u32 {
         if port == Port::Triangle { self.triangles.0 } else { 0 }
+    }
+
+    /// All operations, packet after packet.
+    pub fn in_order(&self) -> impl Iterator<Item = &Operation> {
+        self.packets.iter().flat_map(|program| program.iter())
     }
 
     /// Operations of all packets.
@@ -77,7 +87,7 @@ impl<M> Recorder<M> {
     }
 
     /// The operations since the last call: the program of a packet.
-    pub fn take(&mut self) -> Box<[Operation]> {
+    pub fn take(&mut self) -> Program {
         self.operations.extend(self.begun.take());
         let program = self.operations.as_slice().into();
         self.operations.clear();

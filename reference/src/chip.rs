@@ -134,7 +134,7 @@ struct NaiveChip<'a> {
 pub fn naive_simulate(before: &[Programs], programs: &Programs, config: &ChipConfig) -> Report {
     config.check().expect("a configuration that makes a chip");
     let mut chip = NaiveChip::new(programs, config);
-    for operation in before.iter().flat_map(|programs| programs.packets.iter().flatten()) {
+    for operation in before.iter().flat_map(Programs::in_order) {
         chip.warm(operation);
     }
     while !chip.step() {}

@@ -12,7 +12,7 @@ use saarcor_model::geometry::Geometry;
 use saarcor_model::hash::Hash;
 use saarcor_model::memory::Port;
 use saarcor_model::pci::PciConfig;
-use saarcor_model::program::{Operation, Programs};
+use saarcor_model::program::{Operation, Program, Programs};
 use saarcor_model::sdram::{SdramConfig, Span};
 use saarcor_model::set::Policy;
 use saarcor_model::units::{Bytes, HostAddr};
@@ -107,7 +107,7 @@ fn unlimited_memory_leaves_the_busiest_unit() {
             let triangle = operation(Port::Triangle, 36 * number(64) as u32, 36, rays / 5);
             [node, triangle]
         });
-        packets.push(steps.collect::<Box<[_]>>());
+        packets.push(steps.collect::<Program>());
     }
     let programs = Programs { packets, triangles: HostAddr(0) };
     let config = standard(Version::A);
@@ -348,7 +348,7 @@ fn any_operation() -> impl Strategy<Value = Operation> {
 }
 
 fn any_programs() -> impl Strategy<Value = Programs> {
-    let packet = prop::collection::vec(any_operation(), 0..12).prop_map(Vec::into_boxed_slice);
+    let packet = prop::collection::vec(any_operation(), 0..12).prop_map(Program::from);
     let triangles = prop::sample::select(vec![0, 20]);
     (prop::collection::vec(packet, 0..12), triangles)
         .prop_map(|(packets, base)| Programs { packets, triangles: HostAddr(base) })

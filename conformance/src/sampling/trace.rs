@@ -5,7 +5,7 @@ use crate::simulate::record_part;
 use crate::walk::{PacketSize, TraceOptions};
 use crate::world::World;
 use anyhow::{Result, bail};
-use saarcor_model::program::{Operation, Programs};
+use saarcor_model::program::{Operation, Program, Programs};
 use saarcor_model::rtp::RayCounts;
 use saarcor_model::units::HostAddr;
 
@@ -93,7 +93,7 @@ impl Traced {
         Self::in_order(left.chain(in_full).collect(), self.programs.triangles)
     }
 
-    fn in_order(mut packets: Vec<(Standing, Box<[Operation]>)>, triangles: HostAddr) -> Self {
+    fn in_order(mut packets: Vec<(Standing, Program)>, triangles: HostAddr) -> Self {
         packets.sort_by_key(|(standing, _)| standing.place);
         let (standings, packets) = packets.into_iter().unzip();
         Self { programs: Programs { packets, triangles }, standings }

@@ -31,7 +31,7 @@ impl Caches {
         let nothing = Programs { packets: Vec::new(), triangles };
         let (mut nobody, in_time) = ((), []);
         let mut chip = Chip::new(&nothing, &in_time, config, &mut nobody);
-        for operation in before.into_iter().flat_map(|programs| &programs.packets).flatten() {
+        for operation in before.into_iter().flat_map(Programs::in_order) {
             chip.read_at_once(operation, None);
         }
         Ok(Self { config: *config, l1: chip.l1.map(|l1| l1.directory), tags: chip.tags })
