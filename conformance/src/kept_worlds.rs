@@ -24,7 +24,7 @@ pub const FOLDER: &str = "SAARCOR_CACHE";
 /// Scenes with fewer triangles are not worth a file: they are ready in half a second.
 const LEAST_TRIANGLES: usize = 1 << 15;
 
-/// Files that are kept, and bytes of the largest: half a gigabyte in all.
+/// Files that are kept, and bytes of the largest image: half a gigabyte in all.
 const FILES: usize = 8;
 const MOST_BYTES: usize = 64 << 20;
 
@@ -59,16 +59,17 @@ impl KeptWorlds {
     #[must_use]
     pub fn find(&self, options: &WorldOptions) -> Option<World> {
         let bytes = fs::read(self.path(options)?).ok()?;
-        let (mut world, sources) = decode(bytes, options)?;
+        let (world, sources) = decode(bytes, options)?;
         let as_now = |source: &Source| Source::now(source.path.clone()).is_ok_and(|now| now == *source);
-        let of_this_program = sources.first()?.path == std::env::current_exe().ok()?;
-        world.name.clone_from(&options.scene);
+        let Source { path, checksum } = sources.first()?;
+        // The file of a program that runs may have been removed.
+        let of_this_program = checksum.is_some() && *path == std::env::current_exe().ok()?;
         (of_this_program && sources.par_iter().all(as_now)).then_some(world)
     }
 
     /// Keeps the world that was made of `options` since `started`, and of `files`, if it is worth it.
     pub fn keep(&self, options: &WorldOptions, started: SystemTime, files: &[PathBuf], world: &World) {
-        if world.triangles >= LEAST_TRIANGLES {
+        if world.triangles >= LEAST_TRIANGLES && world.image.bytes.len() <= MOST_BYTES {
             // It is as good as kept: the next run makes it again.
             let _ = self.try_to_keep(options, started, files, world);
         }
@@ -90,7 +91,6 @@ impl KeptWorlds {
             Source::now(absolute(path)?)
         });
         let bytes = encode(world, sources.collect::<Result<_>>()?).context("a path is no text")?;
-        ensure!(bytes.len() <= MOST_BYTES, "too large to be kept");
         self.write(&self.path(options).context("a path is no text")?, &bytes)
     }
 
