@@ -44,7 +44,7 @@ fn section(failure: &Failure) -> String {
         rows => format!("<dt>{name}</dt><dd><pre>{}</pre></dd>\n", escaped(rows)),
     };
     format!(
-        "<section>\n<h2>{} at level {}</h2>\n<p>{}</p>\n<p class=\"idea\">{} ({}: {} requests, {})</p>\n\
+        "<section>\n<h2>{} at level {}</h2>\n<p>{}</p>\n<p class=\"idea\">{} ({}; requests: {}, {})</p>\n\
          <pre>{lines}</pre>\n<dl>\n{}{}{}{}{}{}</dl>\n</section>\n",
         escaped(&failure.requirement),
         failure.level,
