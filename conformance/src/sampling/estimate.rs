@@ -112,6 +112,18 @@ pub fn total(plan: &Plan, fine: &[f64], rough: &[f64]) -> Estimate {
     Estimate { estimate, low: (estimate - error).max(0.0), high: estimate + error }
 }
 
+/// A number of events that are so seldom that the sample may have none, and that few rays see all over
+/// the picture: `rough` is what they see, and each of them stands for `each` of all rays. The interval
+/// holds those of both: that of a number that was counted (Poisson), and that of the sample.
+#[must_use]
+pub fn seldom(plan: &Plan, fine: &[f64], rough: &[f64], each: f64) -> Estimate {
+    let sampled = total(plan, fine, rough);
+    let seen: f64 = rough.iter().sum();
+    let error = NORMAL_975 * seen.sqrt() + RULE_OF_THREE;
+    let (low, high) = ((seen - error).max(0.0) * each, (seen + error) * each);
+    Estimate { estimate: seen * each, low: sampled.low.min(low), high: sampled.high.max(high) }
+}
+
 /// Least and most batches: for a standard error, and so that a batch has many packets.
 const BATCHES: std::ops::RangeInclusive<usize> = 2..=16;
 
@@ -208,16 +220,18 @@ impl BlockSums {
     }
 }
 
+/// The 97.5 % quantile of the normal distribution.
+const NORMAL_975: f64 = 1.959_964;
+
 /// The 97.5 % quantile of Student's distribution: the first ten from a table, above by Fisher's
 /// expansion about the normal distribution's (Abramowitz and Stegun 1964, 26.7.5), to 0.001.
 fn student_975(degrees: usize) -> f64 {
     const TABLE: [f64; 10] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228];
-    const NORMAL: f64 = 1.959_964;
     match degrees {
         0 => f64::INFINITY,
         1..=10 => TABLE[degrees - 1],
         _ => {
-            let (z, n) = (NORMAL, degrees as f64);
+            let (z, n) = (NORMAL_975, degrees as f64);
             z + (z.powi(3) + z) / (4.0 * n)
                 + (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / (96.0 * n.powi(2))
                 + (3.0 * z.powi(7) + 19.0 * z.powi(5) + 17.0 * z.powi(3) - 15.0 * z) / (384.0 * n.powi(3))
@@ -312,6 +326,19 @@ mod tests {
         let estimate = loads(&plan(8, 3), &zeros, &zeros);
         assert_eq!((estimate.estimate, estimate.low), (0.0, 0.0));
         assert!((20.0..28.0).contains(&estimate.high), "{estimate:?}");
+    }
+
+    #[test]
+    fn what_is_seldom_is_counted_all_over_the_picture() {
+        // One block of 900 has all, and a sixteenth of it is seen.
+        let (mut fine, mut rough) = (vec![0.0; 900], vec![0.0; 900]);
+        (fine[444], rough[444]) = (200.0, 10.0);
+        for seed in 0..20 {
+            let estimate = seldom(&plan(16, seed), &fine, &rough, 16.0);
+            assert!(estimate.estimate == 160.0 && estimate.holds(200.0), "{estimate:?}");
+        }
+        let nothing = seldom(&plan(16, 0), &vec![0.0; 900], &vec![0.0; 900], 16.0);
+        assert_eq!(nothing, Estimate { estimate: 0.0, low: 0.0, high: 48.0 });
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! A walk, from a part of each frame's packets.
 
-use super::estimate::{Estimate, distinct, loads, total};
+use super::estimate::{Estimate, distinct, loads, seldom, total};
 use super::plan::{Part, Plan};
 use super::row::{Quantity, SampleRow};
 use super::trace::{Traced, rough_options};
@@ -9,30 +9,37 @@ use crate::walk::{FrameCounts, FrameRow, ObservedCache, WalkOptions, accesses, o
 use crate::world::World;
 use anyhow::Result;
 use saarcor_model::rtp::RayCounts;
+use saarcor_model::scene::Features;
 use saarcor_model::units::Bytes;
 use saarcor_model::vm::CacheConfig;
 use std::ops::Range;
 
-/// Walks through `frames` with a part of their packets, the same of each frame, and tells `each`
+/// Walks through `frames` with a part of their packets, the same of each frame, and gives `tell` each
 /// frame's row.
 ///
 /// # Errors
-/// Those of `each`, and if packets are single rays or the part is too small.
+/// Those of `tell`, and if packets are single rays or the part is too small.
 pub fn walk_sample(
     world: &World,
     frames: Range<usize>,
     options: &WalkOptions,
     part: Part,
-    each: &mut dyn FnMut(&SampleRow) -> Result<()>,
+    tell: &mut dyn FnMut(&SampleRow) -> Result<()>,
 ) -> Result<()> {
     let trace = &options.trace;
     let plan = Plan::new(trace.tiles(), PacketOrder::Scan, part, frames.start as u64)?;
     let row = |frame: u64, quantities| SampleRow::new(vec![("frame", frame.into())], part, &plan, quantities);
     if plan.is_all() {
-        walk(world, frames, options, &mut |counts| each(&row(counts.frame, counted(counts))))?;
+        walk(world, frames, options, &mut |counts| tell(&row(counts.frame, counted(counts))))?;
         return Ok(());
     }
     let rough_trace = rough_options(trace)?;
+    let pixels = |(width, height): (u32, u32)| f64::from(width) * f64::from(height);
+    let each = match world.features {
+        // No surface sends any.
+        Features { reflection: false, refraction: false, .. } => 0.0,
+        _ => pixels(trace.resolution) / pixels(rough_trace.resolution),
+    };
     let host = Bytes(world.image.bytes.len() as u64);
     let new_cache = || Played { cache: observed_cache(options.cache, host), config: options.cache };
     let (mut rough_cache, mut cache) = (new_cache(), new_cache());
@@ -45,8 +52,8 @@ pub fn walk_sample(
         let fine = rough.with(sample, &plan);
         let fine_shares = cache.play(&fine, &plan, options.cold);
         let seen = cache.cache.counts().working_set as f64;
-        let sample = Sample { plan: &plan, fine: fine_shares, rough: rough_shares, seen };
-        each(&row(frame as u64, sample.quantities(options)))?;
+        let sample = Sample { plan: &plan, fine: fine_shares, rough: rough_shares, seen, each };
+        tell(&row(frame as u64, sample.quantities(options)))?;
     }
     Ok(())
 }
@@ -117,6 +124,8 @@ struct Sample<'a> {
     rough: Vec<Share>,
     /// Distinct lines that were touched.
     seen: f64,
+    /// Secondary rays of the picture for each of few rays.
+    each: f64,
 }
 
 impl Sample<'_> {
@@ -137,18 +146,23 @@ impl Sample<'_> {
         };
         let accesses = sum(|share| share.counts.accesses);
         let loaded = loaded_by(|share| share.counts.loaded);
+        // A line is pushed out by one that is loaded.
+        let collisions = loaded_by(|share| share.counts.collisions);
+        let collisions = Estimate { high: collisions.high.max(loaded.high), ..collisions };
+        let (fine, rough) = both(|share| share.rays.secondary);
+        let secondary = seldom(self.plan, &fine, &rough, self.each);
         let (fine, rough) = both(|share| share.counts.working_set);
         let working_set = distinct(self.plan, &fine, &rough, self.seen);
         let quantities = [
             ("primary_rays", Estimate::exact(f64::from(width) * f64::from(height))),
             ("shadow_rays", sum(|share| share.rays.shadow)),
-            ("secondary_rays", sum(|share| share.rays.secondary)),
+            ("secondary_rays", secondary),
             ("accesses", accesses),
             ("hits", accesses.minus(loaded)),
             ("misses", loaded),
             ("working_set_lines", working_set),
             ("working_set_bytes", working_set.times(line)),
-            ("collisions", loaded_by(|share| share.counts.collisions)),
+            ("collisions", collisions),
             ("loaded_lines", loaded),
             ("loaded_bytes", loaded.times(line)),
         ];
