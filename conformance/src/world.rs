@@ -93,15 +93,45 @@ impl World {
     /// # Errors
     /// If there is no such scene, it cannot be read, or it does not fit the chip.
     pub fn open(options: &WorldOptions, progress: &Progress) -> Result<Self> {
-        let (now, started) = (SystemTime::now(), Instant::now());
-        let Some(kept) = &options.kept else { return Self::make(options, progress).map(|made| made.world) };
-        if let Some(world) = progress.during(&format!("{}: scene", options.scene), |_| kept.find(options)) {
-            check_frames(options, &world.path)?;
-            return Ok(Self { seconds: [started.elapsed().as_secs_f64(), 0.0, 0.0], ..world });
+        Self::find_or_make(options, progress).map(|(world, _)| world)
+    }
+
+    /// [`World::open`], laid out anew for the triangle test that `choose` names when it has seen the
+    /// world with the test of `options`.
+    ///
+    /// # Errors
+    /// As there, and those of `choose`.
+    pub fn open_choosing(
+        options: &WorldOptions,
+        progress: &Progress,
+        choose: impl FnOnce(&Self) -> Result<Kernel>,
+    ) -> Result<Self> {
+        let (world, made_of) = Self::find_or_make(options, progress)?;
+        let kernel = choose(&world)?;
+        if kernel == options.kernel {
+            return Ok(world);
         }
-        let Made { world, files, .. } = Self::make(options, progress)?;
-        kept.keep(options, now, &files, &world);
-        Ok(world)
+        let options = WorldOptions { kernel, ..options.clone() };
+        match made_of {
+            Some((scene, tree)) => Ok(Self { image: lay_out(&scene, &tree, &options, progress)?, ..world }),
+            None => Self::open(&options, progress),
+        }
+    }
+
+    /// The world, and what it was made of if it was not kept.
+    fn find_or_make(options: &WorldOptions, progress: &Progress) -> Result<(Self, Option<(Scene, KdTree)>)> {
+        let (now, started) = (SystemTime::now(), Instant::now());
+        let find =
+            |kept: &KeptWorlds| progress.during(&format!("{}: scene", options.scene), |_| kept.find(options));
+        if let Some(world) = options.kept.as_ref().and_then(find) {
+            check_frames(options, &world.path)?;
+            return Ok((Self { seconds: [started.elapsed().as_secs_f64(), 0.0, 0.0], ..world }, None));
+        }
+        let Made { world, scene, tree, files } = Self::make(options, progress)?;
+        if let Some(kept) = &options.kept {
+            kept.keep(options, now, &files, &world);
+        }
+        Ok((world, Some((scene, tree))))
     }
 
     /// The world, made anew, with the scene itself: its triangles in their own order.
@@ -124,16 +154,12 @@ impl World {
         });
         let built = started.elapsed().as_secs_f64();
         let started = Instant::now();
-        let image = progress
-            .during(&format!("{}: host image", options.scene), |_| {
-                HostImage::build(&scene, &tree, options.kernel)
-            })
-            .with_context(|| format!("scene {}", options.scene))?;
+        let image = lay_out(&scene, &tree, options, progress)?;
         let world = Self {
             seconds: [loaded, built, started.elapsed().as_secs_f64()],
             ..Self::of(&options.scene, &scene, &tree, image)
         };
-        Ok(Made { world, scene, files })
+        Ok(Made { world, scene, tree, files })
     }
 
     /// The world of no scene.
@@ -163,8 +189,16 @@ impl World {
 struct Made {
     world: World,
     scene: Scene,
+    tree: KdTree,
     /// The files that the scene depends on.
     files: Vec<PathBuf>,
+}
+
+/// The scene in host memory.
+fn lay_out(scene: &Scene, tree: &KdTree, options: &WorldOptions, progress: &Progress) -> Result<HostImage> {
+    progress
+        .during(&format!("{}: host image", options.scene), |_| HostImage::build(scene, tree, options.kernel))
+        .with_context(|| format!("scene {}", options.scene))
 }
 
 fn check_frames(options: &WorldOptions, path: &[Camera]) -> Result<()> {

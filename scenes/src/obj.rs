@@ -94,11 +94,12 @@ fn load_libraries(path: &Path, text: &str, files: &mut Vec<PathBuf>) -> Result<V
         };
         let rest = rest.replace('\\', "/");
         let whole = folder.join(&rest);
-        let names: Vec<&str> = match whole.is_file() {
-            true => vec![&rest],
-            false => rest.split_whitespace().collect(),
+        let names: Vec<&str> = if whole.is_file() {
+            vec![&rest]
+        } else {
+            files.push(whole);
+            rest.split_whitespace().collect()
         };
-        files.push(whole);
         if names.is_empty() {
             let reason = "mtllib: the MTL file's name is missing";
             return Err(SceneError::at_line(path, index + 1, reason));

@@ -27,21 +27,18 @@ impl AutoArgs {
         let options = scene.options(last_frame);
         let Some(budget) = self.auto else { return World::open(&options, progress) };
         let options = WorldOptions { kernel: scene::KERNEL, ..options };
-        let world = World::open(&options, progress)?;
-        let (kernel, row) = progress
-            .during(&format!("{}: triangle tests", world.name), |_| scene::cheapest(&world, budget))?;
-        progress.say(format_args!(
-            "--auto: the triangle test {} is enough: {} wrong of {} primary rays, 99.9 % of the distances within \
-             {:.1} ulp",
-            row.kernel,
-            row.wrong(),
-            row.cases,
-            row.t_ulp_p999
-        ));
-        match kernel == options.kernel {
-            true => Ok(world),
-            // Laid out for it.
-            false => World::open(&WorldOptions { kernel, ..options }, progress),
-        }
+        World::open_choosing(&options, progress, |world| {
+            let (kernel, row) = progress
+                .during(&format!("{}: triangle tests", world.name), |_| scene::cheapest(world, budget))?;
+            progress.say(format_args!(
+                "--auto: the triangle test {} is enough: {} wrong of {} primary rays, 99.9 % of the distances within \
+                 {:.1} ulp",
+                row.kernel,
+                row.wrong(),
+                row.cases,
+                row.t_ulp_p999
+            ));
+            Ok(kernel)
+        })
     }
 }
