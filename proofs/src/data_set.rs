@@ -7,9 +7,7 @@
 use crate::draw::{self, BYTES, WORDS};
 use crate::source::{Source, Stop};
 use crate::{assume, check, check_eq, cover, theorems};
-use saarcor_model::data_set::{DataSet, WriteBack};
-use saarcor_model::set::{Outcome, Policy};
-use saarcor_model::units::LineAddr;
+use saarcor_model::vm::{DataSet, LineAddr, Outcome, Policy, WriteBack};
 
 /// The bytes of a line.
 pub fn bytes<const N: usize>(s: &mut impl Source, name: &'static str, small: &'static [u8]) -> [u8; N] {
@@ -178,9 +176,9 @@ theorems! { "data_set";
         check!(after.dirty[usize::from(outcome.way().0)], "{policy:?}: {before:?}, {line:?} written, {after:?}: not dirty");
     }
 
-    /// A line is written back exactly if it was dirty and is pushed out, and a line that is loaded
+    /// A line is written back exactly if it was dirty and is evicted, and a line that is loaded
     /// is clean.
-    #["VM-13", unwind 8, covers ["dirty and pushed out", "clean and pushed out"]]
+    #["VM-13", unwind 8, covers ["dirty and evicted", "clean and evicted"]]
     fn only_dirty_lines_are_written_back(s) {
         let policy = draw::policy(s);
         let before = data_set::<S, 2, 2>(s, policy)?;
@@ -195,8 +193,8 @@ theorems! { "data_set";
             Some(line) if before.dirty[way] => Some(WriteBack { line, bytes: before.bytes[way] }),
             _ => None,
         };
-        cover!(s, "dirty and pushed out", expected.is_some());
-        cover!(s, "clean and pushed out", evicted.is_some() && expected.is_none());
+        cover!(s, "dirty and evicted", expected.is_some());
+        cover!(s, "clean and evicted", evicted.is_some() && expected.is_none());
         check_eq!(write_back, expected, "{policy:?}: {before:?}, miss {line:?}");
         check!(!after.dirty[way] && after.bytes[way] == [9; 2], "{policy:?}: {before:?}, miss {line:?}: {after:?}");
     }

@@ -2,10 +2,7 @@
 
 use crate::source::{Source, Stop};
 use crate::{assume, check};
-use saarcor_model::geometry::{Geometry, MAX_WAYS};
-use saarcor_model::hash::Hash;
-use saarcor_model::set::{Policy, Set};
-use saarcor_model::units::{Bytes, HostAddr, LineAddr};
+use saarcor_model::vm::{Bytes, Geometry, Hash, HostAddr, LineAddr, MAX_WAYS, Policy, Set};
 
 /// 0, 1, 2 ... up to 39, the last bit of a metadata entry.
 macro_rules! counting {

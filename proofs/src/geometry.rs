@@ -6,11 +6,7 @@
 use crate::draw::{self, EDGES, ENDS, WORDS};
 use crate::source::Source;
 use crate::{assume, check, check_eq, cover, theorems};
-use saarcor_model::geometry::{Geometry, MAX_WAYS};
-use saarcor_model::hash::Hash;
-use saarcor_model::set::Policy;
-use saarcor_model::units::{Bytes, SetIndex, Way};
-use saarcor_model::vm::CacheConfig;
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, MAX_WAYS, Policy, SetIndex, Way};
 
 /// Sizes of memories and lines: around powers of two, around the limits, and none.
 static SIZES: [u64; 17] = [

@@ -2,8 +2,7 @@
 
 use crate::draw::{self, EDGES, ENDS, WORDS};
 use crate::{assume, check, check_eq, cover, theorems};
-use saarcor_model::hash::Hash;
-use saarcor_model::units::{LineAddr, SetIndex};
+use saarcor_model::vm::{Hash, LineAddr, SetIndex};
 
 theorems! { "hash";
     /// The hash names a set that there is, for every line and any number of sets up to 2^32.

@@ -3,10 +3,9 @@
 use crate::draw::{self, BYTES, ENDS, WORDS};
 use crate::source::Source;
 use crate::{assume, check, check_eq, cover, theorems};
-use saarcor_model::image::{LIST_ENTRY_BYTES, ListEntry, NODE_BYTES, NodeRecord};
-use saarcor_model::kdtree::{Axis, Node, check_nodes};
-use saarcor_model::traversal::{Children, Stack};
-use saarcor_model::units::HostAddr;
+use saarcor_model::host::{Axis, LIST_ENTRY_BYTES, ListEntry, NODE_BYTES, Node, NodeRecord, check_nodes};
+use saarcor_model::rays::{Children, Stack};
+use saarcor_model::vm::HostAddr;
 
 /// Nodes of the trees: the least number at which inner nodes are siblings, parent and child, and
 /// parent of siblings, and at which a pair of children can be shared whole, by half, or be beside

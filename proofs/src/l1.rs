@@ -12,10 +12,7 @@ use crate::draw::{self, BYTES, WORDS};
 use crate::source::{Source, Stop};
 use crate::vm::{self, Watched};
 use crate::{assume, check, check_eq, cover, shown, theorems};
-use saarcor_model::data_set::DataSet;
-use saarcor_model::l1::L1;
-use saarcor_model::memory::{HostMemory, Memory, Port};
-use saarcor_model::units::{HostAddr, LineAddr};
+use saarcor_model::vm::{DataSet, HostAddr, HostMemory, L1, LineAddr, Memory, Unit};
 
 const SETS: usize = if cfg!(kani) { 1 } else { 2 };
 /// Bytes a line.
@@ -25,7 +22,7 @@ const LINE: usize = 3;
 struct Below(Watched);
 
 impl Memory for Below {
-    fn read(&mut self, _port: Port, addr: HostAddr, bytes: &mut [u8]) {
+    fn read(&mut self, _unit: Unit, addr: HostAddr, bytes: &mut [u8]) {
         self.0.read(addr, bytes);
     }
 }
@@ -122,7 +119,7 @@ fn watched(s: &mut impl Source) -> Watched {
 theorems! { "l1";
     /// In any consistent state a line of a first-level cache is what lies behind it, whether it was
     /// there or not; what the cache holds stays right, and each use is counted as a hit or a miss.
-    #["L1-1", unwind 6, covers ["found", "loaded", "another line", "pushed out"]]
+    #["L1-1", unwind 6, covers ["found", "loaded", "another line", "evicted"]]
     fn l1_lines_are_what_lies_behind(s) {
         let watched = watched(s);
         let base = base(s);
@@ -137,8 +134,8 @@ theorems! { "l1";
         cover!(s, "loaded", !hit && line == place.0);
         cover!(s, "another line", line != place.0 && was_there);
         let state = shown!(l1.clone());
-        let bytes = l1.line(&mut Below(watched.clone()), Port::Triangle, line);
-        cover!(s, "pushed out", was_there && !holds(&l1, place.0));
+        let bytes = l1.line(&mut Below(watched.clone()), Unit::Intersection, line);
+        cover!(s, "evicted", was_there && !holds(&l1, place.0));
         if line == place.0 {
             check_eq!(bytes[place.1], watched.byte, "byte {} of {line:?} through {state:?}", place.1);
         }
@@ -172,7 +169,7 @@ theorems! { "l1";
         cover!(s, "in the second line", start.0 >= l1.base.0 && place.is_some_and(|place| place.1 < back as usize));
         let state = shown!(l1.clone());
         let mut bytes = [0xff; 4];
-        l1.read(&mut Below(watched.clone()), Port::Triangle, start, &mut bytes);
+        l1.read(&mut Below(watched.clone()), Unit::Intersection, start, &mut bytes);
         check_eq!(bytes[back as usize], watched.byte, "byte {back} of 4 at {start:?} through {state:?}");
     }
 
@@ -219,7 +216,7 @@ theorems! { "l1";
         l1.invalidate(addr, 1);
         let state = shown!((l1.clone(), memory.clone()));
         check!(!holds(&l1, place.0), "{addr:?} written: {l1:?}");
-        let bytes = l1.line(&mut memory, Port::Shading, place.0);
+        let bytes = l1.line(&mut memory, Unit::Shading, place.0);
         check_eq!(bytes[place.1], memory.host.byte, "{addr:?} written, through {state:?}");
     }
 }

@@ -5,9 +5,7 @@
 use crate::draw::{self, BYTES, EDGES, ENDS, WORDS};
 use crate::source::Source;
 use crate::{assume, check, check_eq, cover, theorems};
-use saarcor_model::metadata::{ENTRY_BYTES, Entry};
-use saarcor_model::set::{Policy, Set};
-use saarcor_model::units::LineAddr;
+use saarcor_model::vm::{ENTRY_BYTES, Entry, LineAddr, Policy, Set};
 
 /// Any entry.
 fn entry(s: &mut impl Source, small: &'static [u32]) -> Entry {
@@ -16,7 +14,7 @@ fn entry(s: &mut impl Source, small: &'static [u32]) -> Entry {
     Entry { line, resident, order: s.value("order", 0..=15, &BYTES[..16]) }
 }
 
-/// The 40 bits with those of `error` turned over.
+/// The 40 bits with those of `error` flipped.
 fn turned(bits: [u8; ENTRY_BYTES], error: u64) -> [u8; ENTRY_BYTES] {
     let mut turned = bits;
     for (i, byte) in turned.iter_mut().enumerate() {
@@ -53,7 +51,7 @@ theorems! { "metadata";
         }
     }
 
-    /// An entry in which one bit, or up to three neighbouring bits, are turned over is told to be
+    /// An entry in which one bit, or up to three neighbouring bits, are flipped is told to be
     /// corrupt. (Two bits a multiple of 3 apart are not told.)
     #["VM-12", unwind 8, covers ["one bit", "three bits", "a check bit"]]
     fn short_errors_are_told(s) {

@@ -13,19 +13,17 @@
 //! Two sets of two ways, which have 10 bytes of metadata each, in granules of 4: sets straddle
 //! granules and share one. Metadata is moved as bytes, and what they mean is the unit `metadata`: so
 //! Kani has one set of one way, whose 5 bytes straddle granules, too, and any bytes beside them. A
-//! metadata cache of one way: each granule pushes out the one before. More ways, and their
+//! metadata cache of one way: each granule evicts the one before. More ways, and their
 //! replacement, are those of the sets with bytes (`data_set`).
 
 use crate::draw::{self, BYTES, WORDS};
 use crate::source::{Source, Stop};
 use crate::vm;
 use crate::{assume, check, check_eq, cover, shown, theorems};
-use saarcor_model::data_set::DataSet;
-use saarcor_model::metadata::ENTRY_BYTES;
-use saarcor_model::metadata_cache::{CachedMetadata, MetadataTraffic};
-use saarcor_model::set::{Outcome, Policy, Set};
-use saarcor_model::units::{LineAddr, SetIndex};
-use saarcor_model::vm::{CacheConfig, Directory, Metadata};
+use saarcor_model::vm::{
+    CacheConfig, CachedMetadata, DataSet, Directory, ENTRY_BYTES, LineAddr, Metadata, MetadataTraffic,
+    Outcome, Policy, Set, SetIndex,
+};
 
 const WAYS: usize = if cfg!(kani) { 1 } else { 2 };
 const SETS: usize = if cfg!(kani) { 1 } else { 2 };
@@ -186,7 +184,7 @@ theorems! { "metadata_cache";
         check_eq!((directory.metadata.asked, directory.metadata.stored), (Some(own), expected), "{addr:?}, {set:?}");
     }
 
-    /// Whatever granules are loaded, pushed out and written back for it, version B loads the
+    /// Whatever granules are loaded, evicted and written back for it, version B loads the
     /// metadata of a set as it is, and stays consistent.
     #["VM-13", unwind 13, covers ["from the cache", "from the card", "written back"]]
     fn version_b_loads_what_it_holds(s) {
@@ -236,7 +234,7 @@ theorems! { "metadata_cache";
     /// then is whole again.
     #["VM-14", unwind 10, covers ["in the metadata cache", "on the card"]]
     fn corrupt_metadata_makes_an_empty_set(s) {
-        // The whole set in one granule: what is wrong in the cache is not pushed out before it is
+        // The whole set in one granule: what is wrong in the cache is not evicted before it is
         // looked at.
         let (mut truth, mut b, _, own) = any::<S, LARGE>(s)?;
         assume!(own == 0);
@@ -265,7 +263,7 @@ theorems! { "metadata_cache";
         let (_, mut b, _, own) = any::<S, SMALL>(s)?;
         let (first, last) = (own * SET_BYTES / SMALL, ((own + 1) * SET_BYTES - 1) / SMALL);
         let before = shown!(b.clone());
-        // In a cache of one granule each pushes out the one before.
+        // In a cache of one granule each evicts the one before.
         let found = b.cache[0].set.resident[0] && b.cache[0].set.lines[0].0 as usize == first;
         let dirty = b.cache[0].dirty[0];
         cover!(s, "from the cache", found);

@@ -16,8 +16,7 @@ use crate::draw::{self, BYTES, EDGES, WORDS, any_ways};
 use crate::engines::Random;
 use crate::source::{Holds, Source, Stop};
 use crate::{assume, check, check_eq, cover, theorems};
-use saarcor_model::set::{Outcome, Policy, Set};
-use saarcor_model::units::{LineAddr, Way};
+use saarcor_model::vm::{LineAddr, Outcome, Policy, Set, Way};
 
 /// Whether way `way` of the set holds `line`.
 fn holds<const WAYS: usize>(set: &Set<WAYS>, way: usize, line: LineAddr) -> bool {
@@ -200,7 +199,7 @@ set_theorems! {
         );
     }
 
-    /// A miss pushes out the line of the way that it takes, and only if no way is free; else it
+    /// A miss evicts the line of the way that it takes, and only if no way is free; else it
     /// takes the free way of the lowest number.
     #["VM-7", unwind 8, covers ["two ways free", "full"]]
     fn miss_evicts_only_when_full(s) {
@@ -219,22 +218,22 @@ set_theorems! {
         cover!(s, "two ways free", free + 1 < WAYS && !before.resident[WAYS - 1]);
         cover!(s, "full", free == WAYS);
         let expected = if free < WAYS { None } else { Some(before.lines[way]) };
-        check_eq!(evicted, expected, "{policy:?}: {before:?}, access {line:?}: pushed out of way {way}");
+        check_eq!(evicted, expected, "{policy:?}: {before:?}, access {line:?}: evicted of way {way}");
         check!(
             free == WAYS || way == free,
             "{policy:?}: {before:?}, access {line:?}: way {way}, {free} is free"
         );
     }
 
-    /// Every line but the one that is pushed out stays, in its way.
-    #["VM-6", unwind 8, covers ["hit", "a line pushed out"]]
+    /// Every line but the one that is evicted stays, in its way.
+    #["VM-6", unwind 8, covers ["hit", "a line evicted"]]
     fn other_lines_stay(s) {
         let (policy, before) = draw::set::<S, WAYS>(s)?;
         let line = draw::line_of_set::<WAYS>(s);
         let (after, outcome) = before.access(line, policy);
         let used = usize::from(outcome.way().0);
         cover!(s, "hit", matches!(outcome, Outcome::Hit { .. }));
-        cover!(s, "a line pushed out", matches!(outcome, Outcome::Miss { evicted: Some(_), .. }));
+        cover!(s, "a line evicted", matches!(outcome, Outcome::Miss { evicted: Some(_), .. }));
         for way in 0..WAYS {
             if way != used {
                 check_eq!(
@@ -359,7 +358,7 @@ set_theorems! {
         cover!(s, "PLRU", policy == Policy::Plru);
         check!(
             evicted != first,
-            "{policy:?}: {before:?}, {first:?}, then {second:?}: {evicted:?} is pushed out"
+            "{policy:?}: {before:?}, {first:?}, then {second:?}: {evicted:?} is evicted"
         );
     }
 

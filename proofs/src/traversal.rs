@@ -8,7 +8,7 @@
 use crate::draw::{self, BYTES};
 use crate::source::{Source, Stop};
 use crate::{assume, check, check_eq, cover, theorems};
-use saarcor_model::traversal::{Children, Intervals, Stack, is_downwards, max, min, visit, widen};
+use saarcor_model::rays::{Children, Intervals, Stack, is_downwards, max, min, visit, widen};
 
 /// Floats by their bits, in ascending order; NaN is the last.
 static FLOATS: [u32; 14] = [

@@ -15,12 +15,10 @@
 use crate::draw::{self, BYTES, WORDS};
 use crate::source::{Source, Stop};
 use crate::{assume, check, check_eq, cover, shown, theorems};
-use saarcor_model::geometry::Geometry;
-use saarcor_model::hash::Hash;
-use saarcor_model::memory::{HostMemory, Memory, Port};
-use saarcor_model::set::{Outcome, Set};
-use saarcor_model::units::{Bytes, HostAddr, LineAddr, SetIndex, Way};
-use saarcor_model::vm::{CacheConfig, Counters, Directory, VirtualMemory};
+use saarcor_model::vm::{
+    Bytes, CacheConfig, Counters, Directory, Geometry, Hash, HostAddr, HostMemory, LineAddr, Memory, Outcome,
+    Set, SetIndex, Unit, VirtualMemory, Way,
+};
 use std::cell::Cell;
 
 /// Ways, sets and bytes a line of the card that the theorems of this unit speak of.
@@ -160,9 +158,9 @@ theorems! { "vm";
         check_eq!(byte[0], memory.host.byte, "byte {} read from {state:?}", memory.host.addr);
     }
 
-    /// Whatever byte is read, and whatever line is loaded and pushed out for it, what is on the card
+    /// Whatever byte is read, and whatever line is loaded and evicted for it, what is on the card
     /// stays the host's.
-    #["VM-9", unwind 5, covers ["pushed out", "loaded", "stays"]]
+    #["VM-9", unwind 5, covers ["evicted", "loaded", "stays"]]
     fn reads_keep_the_card_the_hosts(s) {
         let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
         let before = shown!(memory.clone());
@@ -170,7 +168,7 @@ theorems! { "vm";
         let addr = addr(s);
         memory.read_in_line(addr, &mut [0]);
         let now_on_card = on_card(&memory);
-        cover!(s, "pushed out", was_on_card && now_on_card.is_none());
+        cover!(s, "evicted", was_on_card && now_on_card.is_none());
         cover!(s, "loaded", !was_on_card && now_on_card.is_some());
         cover!(s, "stays", was_on_card && now_on_card.is_some());
         if let Some(place) = now_on_card {
@@ -207,7 +205,7 @@ theorems! { "vm";
         let place = s.value("place", 0..=3, &BYTES[..4]);
         let state = shown!(memory.clone());
         let mut bytes = [0xff; 4];
-        memory.read(Port::Triangle, HostAddr(addr), &mut bytes);
+        memory.read(Unit::Intersection, HostAddr(addr), &mut bytes);
         let got = bytes[usize::from(place)];
         match addr.checked_add(u32::from(place)) {
             None => {

@@ -31,8 +31,8 @@ fn faults() -> Vec<Fault> {
 
 /// The model's file with the fault in it.
 fn planted(fault: &Fault) -> String {
-    let source =
-        fs::read_to_string(workspace().join("model/src").join(&fault.file)).expect("a file of the model");
+    let source = fs::read_to_string(workspace().join("model/spec/src").join(&fault.file))
+        .expect("a file of the model");
     assert_eq!(source.matches(&fault.from).count(), 1, "{}: the line to replace is there once", fault.name);
     source.replace(&fault.from, &fault.to)
 }
@@ -65,7 +65,7 @@ fn copied_workspace() -> PathBuf {
         copy(&workspace().join(folder), &copied.join(folder));
     }
     let manifest = fs::read_to_string(workspace().join("Cargo.toml")).expect("the workspace's manifest");
-    let members = r#"members = ["model", "proofs", "reference"]"#;
+    let members = r#"members = ["model/spec", "proofs", "reference/oracles"]"#;
     let lines = manifest.lines().map(|line| match line.split(' ').next() {
         Some("members") => members,
         Some("default-members") => "",
@@ -114,7 +114,7 @@ fn every_fault_is_found_by_both_engines() {
     let copied = copied_workspace();
     let mut missed = Vec::new();
     for fault in faults() {
-        let file = copied.join("model/src").join(&fault.file);
+        let file = copied.join("model/spec/src").join(&fault.file);
         let sound = fs::read_to_string(&file).expect("a file of the model");
         fs::write(&file, planted(&fault)).expect("a planted fault");
         for (engine, said) in ENGINES.iter().zip(judge(&copied)) {

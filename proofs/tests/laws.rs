@@ -6,13 +6,11 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
 use quickcheck::{Gen, QuickCheck};
-use saarcor_model::geometry::Geometry;
-use saarcor_model::hash::Hash;
-use saarcor_model::metadata_cache::CachedMetadata;
-use saarcor_model::set::{Outcome, Policy};
-use saarcor_model::units::{Bytes, HostAddr, LineAddr, SetIndex};
-use saarcor_model::vm::{CacheConfig, Directory};
-use saarcor_reference::cache::NaiveCache;
+use saarcor_model::vm::{
+    Bytes, CacheConfig, CachedMetadata, Directory, Geometry, Hash, HostAddr, LineAddr, Outcome, Policy,
+    SetIndex,
+};
+use saarcor_oracles::cache::NaiveCache;
 use std::collections::BTreeSet;
 use support::{engine, hashes, policies};
 

@@ -8,15 +8,12 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{TestCaseError, TestRunner};
-use saarcor_model::geometry::Geometry;
-use saarcor_model::l1::{FirstLevel, L1Sizes};
-use saarcor_model::memory::{Memory, Port};
-use saarcor_model::metadata_cache::CachedMetadata;
-use saarcor_model::set::Policy;
-use saarcor_model::units::{Bytes, HostAddr, LineAddr};
-use saarcor_model::vm::{CacheConfig, Counters, Directory, VirtualMemory};
-use saarcor_reference::cache::{NaiveCache, NaiveVirtualMemory};
-use saarcor_reference::flat::FlatMemory;
+use saarcor_model::vm::{
+    Bytes, CacheConfig, CachedMetadata, Counters, Directory, FirstLevel, Geometry, HostAddr, L1Sizes,
+    LineAddr, Memory, Policy, Unit, VirtualMemory,
+};
+use saarcor_oracles::cache::{NaiveCache, NaiveVirtualMemory};
+use saarcor_oracles::flat::FlatMemory;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use support::{engine, hashes, policies};
@@ -106,7 +103,7 @@ fn places() -> impl Strategy<Value = Place> {
 #[derive(Clone, Debug)]
 enum Step {
     /// A unit reads.
-    Read { place: Place, len: usize, port: Port },
+    Read { place: Place, len: usize, unit: Unit },
     /// The application writes to host memory and says so.
     Write { place: Place, bytes: Vec<u8> },
     /// The application writes to host memory and does not say so.
@@ -117,9 +114,10 @@ enum Step {
 
 fn steps(silent_writes: u32) -> impl Strategy<Value = Vec<Step>> {
     let bytes = || vec(any::<u8>(), 1..64);
-    let ports = prop_oneof![Just(Port::Shading), Just(Port::Node), Just(Port::List), Just(Port::Triangle)];
+    let ports =
+        prop_oneof![Just(Unit::Shading), Just(Unit::Traversal), Just(Unit::List), Just(Unit::Intersection)];
     let step = prop_oneof![
-        20 => (places(), 1..=300usize, ports).prop_map(|(place, len, port)| Step::Read { place, len, port }),
+        20 => (places(), 1..=300usize, ports).prop_map(|(place, len, unit)| Step::Read { place, len, unit }),
         2 => (places(), bytes()).prop_map(|(place, bytes)| Step::Write { place, bytes }),
         2 => (places(), 0..10_000u64).prop_map(|(place, len)| Step::Invalidate { place, len }),
         silent_writes => (places(), bytes()).prop_map(|(place, bytes)| Step::SilentWrite { place, bytes }),
@@ -171,17 +169,17 @@ fn play<const WAYS: usize>(
         | Step::Invalidate { place, .. }) = step;
         let addr = place.addr(&config, image.len());
         match step {
-            Step::Read { len, port, .. } => {
+            Step::Read { len, unit, .. } => {
                 // Not zero beforehand: bytes beyond the end have to be written too.
                 let mut bytes = vec![0xa5; *len];
-                memory.read(*port, addr, &mut bytes);
+                memory.read(*unit, addr, &mut bytes);
                 if coherent {
                     let mut flat = vec![0x5a; *len];
-                    FlatMemory::new(&host).read(*port, addr, &mut flat);
+                    FlatMemory::new(&host).read(*unit, addr, &mut flat);
                     prop_assert_eq!(&bytes, &flat, "at {:?}", addr);
                     let mut through_l1 = vec![0x3c; *len];
-                    hierarchy.read(*port, addr, &mut through_l1);
-                    prop_assert_eq!(&through_l1, &flat, "{:?} at {:?} through all caches", port, addr);
+                    hierarchy.read(*unit, addr, &mut through_l1);
+                    prop_assert_eq!(&through_l1, &flat, "{:?} at {:?} through all caches", unit, addr);
                 }
                 prop_assert_eq!(bytes, naive.read(&host, addr, *len), "at {:?}", addr);
             }
@@ -288,7 +286,7 @@ proptest! {
 }
 
 /// The strategies above reach what they are for: with every number of ways lines are hit, loaded,
-/// pushed out and forgotten.
+/// evicted and forgotten.
 #[test]
 fn strategies_reach_every_outcome() {
     let mut runner = TestRunner::new(engine());

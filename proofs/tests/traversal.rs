@@ -12,16 +12,13 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{TestCaseError, TestRunner};
-use saarcor_model::image::{HostImage, NODE_BYTES, TRIANGLE_BYTES};
-use saarcor_model::intersection::{EdgeTriangle, Kernel, TriangleTest};
-use saarcor_model::kdtree::{Aabb, Axis, KdTree, MAX_DEPTH, Node};
-use saarcor_model::memory::{Memory, Port};
-use saarcor_model::ray::{Hits, Packet, Query, Ray};
-use saarcor_model::scene::{Material, Scene, Triangle};
-use saarcor_model::traversal::{Traversal, widen};
-use saarcor_model::units::HostAddr;
-use saarcor_reference::flat::FlatMemory;
-use saarcor_reference::search::closest_hit;
+use saarcor_model::host::{
+    Aabb, Axis, HostImage, KdTree, MAX_DEPTH, Material, NODE_BYTES, Node, Scene, TRIANGLE_BYTES, Triangle,
+};
+use saarcor_model::rays::{EdgeTriangle, Hits, Kernel, Packet, Query, Ray, Traversal, TriangleTest, widen};
+use saarcor_model::vm::{HostAddr, Memory, Unit};
+use saarcor_oracles::flat::FlatMemory;
+use saarcor_oracles::search::closest_hit;
 use support::engine;
 
 /// Where a node cuts space.
@@ -160,13 +157,13 @@ impl<'a> Noting<'a> {
 }
 
 impl Memory for Noting<'_> {
-    fn read(&mut self, port: Port, addr: HostAddr, bytes: &mut [u8]) {
-        match port {
-            Port::Node => self.nodes.push(addr.0 / NODE_BYTES),
-            Port::Triangle => self.triangles += 1,
-            Port::List | Port::Shading => {}
+    fn read(&mut self, unit: Unit, addr: HostAddr, bytes: &mut [u8]) {
+        match unit {
+            Unit::Traversal => self.nodes.push(addr.0 / NODE_BYTES),
+            Unit::Intersection => self.triangles += 1,
+            Unit::List | Unit::Shading => {}
         }
-        self.memory.read(port, addr, bytes);
+        self.memory.read(unit, addr, bytes);
     }
 }
 

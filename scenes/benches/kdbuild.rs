@@ -2,7 +2,7 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use saarcor_model::scene::Triangle;
+use saarcor_model::host::Triangle;
 use saarcor_scenes::kdbuild::{BuildOptions, SplitRule, build};
 use std::f32::consts::TAU;
 

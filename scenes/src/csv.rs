@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use saarcor_model::scene::{Camera, Light};
+use saarcor_model::host::{Camera, Light};
 
 use crate::error::SceneError;
 use crate::text::{finite, quoted, read_text};

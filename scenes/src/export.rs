@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use image::ExtendedColorType;
 use rayon::prelude::*;
-use saarcor_model::scene::{Image, Material, Scene, TexelFormat};
+use saarcor_model::host::{Image, Material, Scene, TexelFormat};
 
 use crate::csv::{CAMERA_CSV, LIGHTS_CSV, format_cameras, format_lights, parse_cameras, parse_lights};
 use crate::error::SceneError;

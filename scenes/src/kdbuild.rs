@@ -17,8 +17,7 @@ mod subtree;
 mod surface_area;
 
 use reference::Reference;
-use saarcor_model::kdtree::{Aabb, KdTree, Node};
-use saarcor_model::scene::Triangle;
+use saarcor_model::host::{Aabb, KdTree, Node, Triangle};
 use subtree::{Builder, Cell, Limits, Progress};
 use surface_area::Costs;
 

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use glam::{Vec2, Vec3};
-use saarcor_model::scene::{Material, Scene, Triangle};
+use saarcor_model::host::{Material, Scene, Triangle};
 
 use crate::csv::{CAMERA_CSV, LIGHTS_CSV, read_cameras, read_lights};
 use crate::error::SceneError;

@@ -1,7 +1,7 @@
 //! The camera of a scene that comes without a camera path.
 
 use glam::DVec3;
-use saarcor_model::scene::{Camera, Triangle};
+use saarcor_model::host::{Camera, Triangle};
 
 /// A camera that sees all of the triangles, in any picture that is at least as wide as high.
 ///

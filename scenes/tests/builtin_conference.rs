@@ -6,7 +6,7 @@ mod distance;
 use checks::{assert_sound, build, fingerprint, image_bytes};
 use distance::nearest;
 use glam::Vec3;
-use saarcor_model::scene::{Triangle, features};
+use saarcor_model::host::{Triangle, features};
 
 #[test]
 fn has_the_numbers_of_table_1() {

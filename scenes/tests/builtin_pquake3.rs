@@ -6,7 +6,7 @@ mod distance;
 use checks::{assert_sound, build, fingerprint, image_bytes};
 use distance::nearest;
 use glam::Vec3;
-use saarcor_model::scene::Triangle;
+use saarcor_model::host::Triangle;
 
 const MIB: usize = 1 << 20;
 

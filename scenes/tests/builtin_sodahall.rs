@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use checks::{assert_sound, build, fingerprint, image_bytes};
 use distance::nearest;
-use saarcor_model::scene::features;
+use saarcor_model::host::features;
 
 #[test]
 fn has_the_numbers_of_table_1_and_is_the_same_on_every_run() {

@@ -2,8 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
-use saarcor_model::kdtree::{Aabb, KdTree, Node};
-use saarcor_model::scene::Triangle;
+use saarcor_model::host::{Aabb, KdTree, Node, Triangle};
 use saarcor_scenes::kdbuild::{BuildOptions, MAX_DEPTH, SplitRule, build};
 use std::sync::Mutex;
 

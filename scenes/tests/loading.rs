@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{Vec2, Vec3, vec2, vec3};
 use proptest::prelude::*;
-use saarcor_model::scene::{Camera, Image, Light, Material, Scene, TexelFormat, Triangle};
+use saarcor_model::host::{Camera, Image, Light, Material, Scene, TexelFormat, Triangle};
 use saarcor_scenes::{SceneError, export_obj, load_obj, load_obj_and_files, read_cameras, read_lights};
 use tempfile::TempDir;
 

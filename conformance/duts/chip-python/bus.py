@@ -51,7 +51,7 @@ class BusManager:
                 self.read(part, card)
 
     def take_part(self, caches):
-        """Takes a part (its line on its way, its address, its bytes), and looks up its tag."""
+        """Takes a part (its line in flight, its address, its bytes), and looks up its tag."""
         asking = [place for place, cache in enumerate(caches) if cache.parts]
         if not asking:
             return

@@ -16,7 +16,7 @@ module cache #(
     output reg done,
     output reg hit,
     output reg load,          // the line is to be loaded
-    output reg pushes,        // a line is pushed out
+    output reg pushes,        // a line is evicted
     output reg [31:0] evicted,// its first host address
     output reg [31:0] card    // where the byte of `address` lies
 );

@@ -8,12 +8,8 @@ use crate::serve::{Served, Unsupported};
 use crate::session::Session;
 use crate::suites;
 use crate::vm::config::{HASHES, name_of, named};
-use saarcor_model::geometry::Geometry;
-use saarcor_model::hash::Hash;
-use saarcor_model::set::Policy;
-use saarcor_model::units::{Bytes, LineAddr};
-use saarcor_model::vm::CacheConfig;
-use saarcor_reference::cache::NaiveCache;
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, LineAddr, Policy};
+use saarcor_oracles::cache::NaiveCache;
 
 /// The kind `saarcor-hash`.
 #[derive(Clone, Copy, Debug)]

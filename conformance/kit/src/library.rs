@@ -15,10 +15,7 @@ use crate::vm::config::KEYS;
 use crate::vm::request::Observes;
 use anyhow::{Context, Result};
 use libloading::Library;
-use saarcor_model::hash::Hash;
-use saarcor_model::set::Policy;
-use saarcor_model::units::{CardAddr, HostAddr};
-use saarcor_model::vm::CacheConfig;
+use saarcor_model::vm::{CacheConfig, CardAddr, Hash, HostAddr, Policy};
 use std::io::{BufRead as _, BufReader, Read, Write};
 use std::path::Path;
 

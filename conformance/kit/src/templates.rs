@@ -77,8 +77,10 @@ impl Template {
     pub fn files(&self) -> Vec<(&'static str, String)> {
         // A copy lies elsewhere, and finds the kit where it was when the kit was built.
         let kit = |text: &str| {
-            text.replace("\"../../kit\"", concat!("\"", env!("CARGO_MANIFEST_DIR"), "\""))
-                .replace("\"../../../model\"", concat!("\"", env!("CARGO_MANIFEST_DIR"), "/../../model\""))
+            text.replace("\"../../kit\"", concat!("\"", env!("CARGO_MANIFEST_DIR"), "\"")).replace(
+                "\"../../../model/spec\"",
+                concat!("\"", env!("CARGO_MANIFEST_DIR"), "/../../model/spec\""),
+            )
         };
         self.files.iter().map(|(name, text)| (*name, kit(text))).collect()
     }

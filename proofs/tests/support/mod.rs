@@ -4,8 +4,7 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use saarcor_model::hash::Hash;
-use saarcor_model::set::Policy;
+use saarcor_model::vm::{Hash, Policy};
 
 /// The same cases in every run; `PROPTEST_CASES` asks for more of them.
 pub fn engine() -> ProptestConfig {

@@ -8,7 +8,7 @@
 use std::f32::consts::TAU;
 
 use glam::{Vec2, Vec3, vec2, vec3};
-use saarcor_model::scene::{Camera, Light, Scene};
+use saarcor_model::host::{Camera, Light, Scene};
 
 use super::building::{
     Opening, ceiling_grid, curtain, door_frame, door_leaf, exit_sign, hang, louvre_lamp, radiator, slab,

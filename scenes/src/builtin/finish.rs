@@ -1,7 +1,7 @@
 //! What the insides of the built-in buildings are made of.
 
 use glam::vec3;
-use saarcor_model::scene::{Material, Triangle};
+use saarcor_model::host::{Material, Triangle};
 
 use super::mesh::Surface;
 use super::palette::{glossy, matt, mirror};

@@ -5,7 +5,7 @@ use std::f32::consts::TAU;
 
 use crate::random::Random;
 use glam::{Affine3A, Quat, Vec2, Vec3, vec2, vec3};
-use saarcor_model::scene::Triangle;
+use saarcor_model::host::Triangle;
 
 /// What a piece of mesh is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]

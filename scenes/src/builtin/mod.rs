@@ -16,7 +16,7 @@ mod pquake3;
 mod sodahall;
 mod texture;
 
-use saarcor_model::scene::Scene;
+use saarcor_model::host::Scene;
 
 /// The scenes of Table 1 (§4, Stated), in its order.
 pub const TABLE_1: [&str; 9] = [

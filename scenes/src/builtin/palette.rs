@@ -1,7 +1,7 @@
 //! The materials of a built-in scene and the images that they use.
 
 use glam::{Vec2, Vec3};
-use saarcor_model::scene::{Image, Material};
+use saarcor_model::host::{Image, Material};
 
 use super::mesh::Surface;
 use super::texture::{Sample, color_and_height_images, color_image};

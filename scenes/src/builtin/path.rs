@@ -1,7 +1,7 @@
 //! Camera paths: a smooth walk through way points.
 
 use glam::Vec3;
-use saarcor_model::scene::Camera;
+use saarcor_model::host::Camera;
 
 /// Where the camera is at some frame, and what it looks at.
 #[derive(Clone, Copy, Debug, PartialEq)]

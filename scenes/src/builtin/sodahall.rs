@@ -3,7 +3,7 @@
 //! one place.
 
 use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
-use saarcor_model::scene::{Camera, Scene};
+use saarcor_model::host::{Camera, Scene};
 
 use super::building::{
     Opening, door_frame, door_leaf, exit_sign, hang, louvre_lamp, radiator, railing, slab, stair_flight,

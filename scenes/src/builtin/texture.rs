@@ -5,7 +5,7 @@
 
 use glam::{IVec2, Vec2, Vec3, vec2};
 use rayon::prelude::*;
-use saarcor_model::scene::{Image, TexelFormat};
+use saarcor_model::host::{Image, TexelFormat};
 
 /// What a pattern gives at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Clips a triangle to a box, without ever losing a part of it.
 
 use glam::{DVec3, Vec3};
-use saarcor_model::kdtree::Aabb;
+use saarcor_model::host::Aabb;
 
 /// Bound on the error of clipping, relative to the greatest magnitude `M` of the triangle's
 /// coordinates on an axis, with `u = 2^-53`.

@@ -1,7 +1,7 @@
 //! Planes that cut a cell, and the spatial median.
 
 use super::reference::Reference;
-use saarcor_model::kdtree::{Aabb, Axis};
+use saarcor_model::host::{Aabb, Axis};
 
 /// Where a triangle's part lies, seen from a plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,8 +2,7 @@
 
 use super::clip::clip;
 use super::plane::{Plane, Side};
-use saarcor_model::kdtree::Aabb;
-use saarcor_model::scene::Triangle;
+use saarcor_model::host::{Aabb, Triangle};
 
 /// A triangle that meets a cell.
 #[derive(Clone, Copy, Debug)]

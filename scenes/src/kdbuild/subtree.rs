@@ -4,8 +4,7 @@ use super::SplitRule;
 use super::plane::{Plane, spatial_median};
 use super::reference::Reference;
 use super::surface_area::{Costs, End, surface_area};
-use saarcor_model::kdtree::{Aabb, Axis, KdTree, Node};
-use saarcor_model::scene::Triangle;
+use saarcor_model::host::{Aabb, Axis, KdTree, Node, Triangle};
 use std::sync::Mutex;
 
 /// Cells of at most this many references are left to one thread.

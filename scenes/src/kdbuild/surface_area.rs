@@ -8,7 +8,7 @@
 use super::plane::Plane;
 use super::reference::Reference;
 use rayon::prelude::*;
-use saarcor_model::kdtree::{Aabb, Axis};
+use saarcor_model::host::{Aabb, Axis};
 
 /// Parameters of the heuristic.
 #[derive(Clone, Copy, Debug)]

@@ -1,4 +1,4 @@
-//! The lines of an OBJ file on their way to tobj: checked, and with their numbers.
+//! The lines of an OBJ file, before tobj reads them: checked, and with their numbers.
 //!
 //! tobj reads fast, but it reports no line numbers, and lets pass what would give a wrong scene:
 //! numbers that are not finite, index 0 among texture coordinates and normals, materials that

@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
-use saarcor_model::scene::Material;
+use saarcor_model::host::Material;
 
 use crate::error::SceneError;
 use crate::text::{finite, quoted, read_text, split_keyword};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use image::ImageReader;
 use rayon::prelude::*;
-use saarcor_model::scene::{Image, Material, TexelFormat};
+use saarcor_model::host::{Image, Material, TexelFormat};
 
 use crate::error::SceneError;
 use crate::obj::materials::Library;

@@ -3,7 +3,7 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use glam::Vec3;
-use saarcor_model::scene::{Material, Scene, TexelFormat};
+use saarcor_model::host::{Material, Scene, TexelFormat};
 use saarcor_scenes::builtin::builtin;
 
 /// Builds a scene that must exist.

@@ -1,7 +1,7 @@
 //! How near a point is to a scene's geometry, by trying every triangle.
 
 use glam::Vec3;
-use saarcor_model::scene::{Scene, Triangle};
+use saarcor_model::host::{Scene, Triangle};
 
 /// Distance from a point to the nearest point of the scene.
 pub fn nearest(scene: &Scene, point: Vec3) -> f32 {

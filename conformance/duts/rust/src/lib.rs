@@ -2,10 +2,7 @@
 
 use saarcor_kit::serve::Unsupported;
 use saarcor_kit::vm::cache::{Access, Cache, Outcome};
-use saarcor_model::hash::Hash;
-use saarcor_model::set::Policy;
-use saarcor_model::units::{CardAddr, HostAddr};
-use saarcor_model::vm::CacheConfig;
+use saarcor_model::vm::{CacheConfig, CardAddr, Hash, HostAddr, Policy};
 use std::collections::HashMap;
 
 /// A line on the card.

@@ -6,8 +6,7 @@ use crate::kind::{Comparison, Difference, Oracle};
 use crate::level::Level;
 use crate::serve::Served as _;
 use crate::session::Session;
-use saarcor_model::chip::CacheReport;
-use saarcor_model::chip_config::UNIT_NAMES;
+use saarcor_model::time::{CacheReport, UNIT_NAMES};
 
 /// The comparison of one session.
 pub struct ChipComparison {
@@ -44,12 +43,12 @@ fn counts(names: [&'static str; 3], right: &CacheReport, got: &CacheReport) -> [
 fn traffic(right: &Answer, got: &Answer) -> Vec<(String, Count)> {
     let mut all = Vec::new();
     for (unit, (right, got)) in right.l1.iter().flatten().zip(got.l1.iter().flatten()).enumerate() {
-        let names = ["look-ups", "lines fetched", "look-ups of lines on their way"];
+        let names = ["look-ups", "lines fetched", "look-ups of lines in flight"];
         let of = format!("first-level cache of {}: ", UNIT_NAMES[unit]);
         all.extend(counts(names, right, got).map(|count| (of.clone(), count)));
     }
     if let (Some(right), Some(got)) = (&right.l2, &got.l2) {
-        let names = ["parts", "parts whose line is missed", "parts whose line is on its way"];
+        let names = ["parts", "parts whose line is missed", "parts whose line is in flight"];
         all.extend(counts(names, right, got).map(|(name, right, got, requirement)| {
             let requirement = match requirement {
                 "CH-7" => "CH-12",

@@ -2,8 +2,8 @@
 //! it is the standard chip's.
 
 use crate::vm::config::{self, Choices, name_of, named};
-use saarcor_model::chip_config::{CHIP_CACHE_WAYS, ChipConfig, Version};
-use saarcor_model::units::HostAddr;
+use saarcor_model::time::{CHIP_CACHE_WAYS, ChipConfig, Version};
+use saarcor_model::vm::HostAddr;
 
 /// The standard chip (CH-2, CH-3, CH-17, SD-1 to SD-5, PC-1): every key, in order.
 pub const STANDARD: &str = "pipelines=4 threads=16 \

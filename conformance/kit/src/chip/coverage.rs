@@ -6,13 +6,12 @@ use super::request::Request;
 use super::served::ChipServed;
 use crate::kind::{Coverage, Covered, Oracle};
 use crate::session::Session;
-use saarcor_model::chip::{CacheReport, Observer, Report, Stall, Traffic};
-use saarcor_model::chip_config::{ChipConfig, Version};
-use saarcor_model::program::Operation;
-use saarcor_model::sdram::{Direction, Span};
+use saarcor_model::time::{
+    CacheReport, ChipConfig, Direction, Observer, Operation, Report, Span, Stall, Traffic, Version,
+};
 use std::collections::BTreeSet;
 
-/// What look-ups find: the line, the line on its way, nothing.
+/// What look-ups find: the line, the line in flight, nothing.
 const FOUND: usize = 3;
 /// What operations read: nothing, a line, several, and a line without rays to work for.
 const READ: usize = 4;
@@ -102,9 +101,9 @@ fn found(cache: &CacheReport) -> impl Iterator<Item = usize> {
 
 impl Reached {
     fn operation(&mut self, setting: &Setting, operation: &Operation) {
-        let &Operation { addr, bytes, rays, port } = operation;
-        let size = u64::from(setting.chip.l1[port as usize].line);
-        let base = if port as usize == 3 { u64::from(setting.triangles.0) } else { 0 };
+        let &Operation { addr, bytes, rays, unit } = operation;
+        let size = u64::from(setting.chip.l1[unit as usize].line);
+        let base = if unit as usize == 3 { u64::from(setting.triangles.0) } else { 0 };
         let lines = match u64::from(bytes) {
             0 => 0,
             bytes => {
@@ -119,7 +118,7 @@ impl Reached {
             }
         };
         let read = if bytes > 0 && rays == 0 { READ - 1 } else { lines };
-        self.operations.insert((port as usize, read));
+        self.operations.insert((unit as usize, read));
     }
 
     fn run(&mut self, model: &ChipServed, warm: bool) {

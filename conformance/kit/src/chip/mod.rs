@@ -15,8 +15,7 @@ use crate::serve::{Served, Unsupported};
 use crate::session::Session;
 use crate::suites;
 use request::Request;
-use saarcor_model::chip::{Observer, Traffic};
-use saarcor_model::sdram::Span;
+use saarcor_model::time::{Observer, Span, Traffic};
 use served::ChipServed;
 
 /// The kind `saarcor-chip`.

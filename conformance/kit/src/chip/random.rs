@@ -3,10 +3,8 @@
 use super::config;
 use super::request::{RAYS, Request};
 use crate::random::Random;
-use saarcor_model::chip_config::Version;
-use saarcor_model::memory::Port;
-use saarcor_model::program::Operation;
-use saarcor_model::units::HostAddr;
+use saarcor_model::time::{Operation, Version};
+use saarcor_model::vm::{HostAddr, Unit};
 
 /// Of so many seeds one has the standard chip.
 const STANDARD_EVERY: u64 = 12;
@@ -107,7 +105,7 @@ fn operations(random: &mut Random, line: u32, triangles: HostAddr) -> Vec<Operat
     let few = random.percent(50);
     let count = random.below(if few { 3 } else { 9 });
     let one = |random: &mut Random| {
-        let port = random.pick(&Port::ALL);
+        let unit = random.pick(&Unit::ALL);
         let near = line * random.below(6) as u32;
         let place = match random.below(20) {
             // Of the same row and set, and all over the place.
@@ -117,7 +115,7 @@ fn operations(random: &mut Random, line: u32, triangles: HostAddr) -> Vec<Operat
         };
         // Around the borders of lines.
         let addr = place + random.pick(&[0, 0, 4, 8, line - 4, line - 1, line / 2]);
-        let addr = if port == Port::Triangle { addr + triangles.0 } else { addr };
+        let addr = if unit == Unit::Intersection { addr + triangles.0 } else { addr };
         let bytes = random.pick(&[0, 1, 4, 4, 8, 8, 20, 36]);
         let rays = match random.below(6) {
             0 if bytes > 0 => 0,
@@ -125,7 +123,7 @@ fn operations(random: &mut Random, line: u32, triangles: HostAddr) -> Vec<Operat
             2 => RAYS,
             _ => 1 + random.below(RAYS.into()) as u8 / 4,
         };
-        Operation { addr: HostAddr(addr), bytes, rays, port }
+        Operation { addr: HostAddr(addr), bytes, rays, unit }
     };
     (0..count).map(|_| one(random)).collect()
 }

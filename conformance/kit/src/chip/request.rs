@@ -3,10 +3,8 @@
 use super::config::{Setting, UNITS};
 use crate::hex;
 use crate::vm::request::END_OF_ADDRESSES;
-use saarcor_model::chip::{CacheReport, Report};
-use saarcor_model::memory::Port;
-use saarcor_model::program::Operation;
-use saarcor_model::units::HostAddr;
+use saarcor_model::time::{CacheReport, Operation, Report};
+use saarcor_model::vm::{HostAddr, Unit};
 use std::fmt;
 
 /// Rays of a packet (RG-2).
@@ -72,7 +70,7 @@ impl Request {
     /// What would be right.
     pub fn fits(&self, setting: &Setting) -> Result<(), &'static str> {
         let before = |operation: &Operation| {
-            operation.port == Port::Triangle && operation.bytes > 0 && operation.addr < setting.triangles
+            operation.unit == Unit::Intersection && operation.bytes > 0 && operation.addr < setting.triangles
         };
         let wrong = self.operations().iter().any(before);
         if wrong { Err("triangles lie at the address 'triangles' or behind it") } else { Ok(()) }
@@ -81,8 +79,8 @@ impl Request {
 
 fn operation(word: &[u8]) -> Option<Operation> {
     let mut parts = word.split(|&byte| byte == b',');
-    let unit = parts.next()?;
-    let port = Port::ALL[UNITS.iter().position(|letter| letter.as_bytes() == unit)?];
+    let letter = parts.next()?;
+    let unit = Unit::ALL[UNITS.iter().position(|unit| unit.as_bytes() == letter)?];
     let mut number = || hex::number(parts.next()?);
     let (addr, bytes, rays) = (number()?, number()?, number()?);
     let (bytes, rays) = (u16::try_from(bytes).ok()?, u8::try_from(rays).ok()?);
@@ -91,7 +89,7 @@ fn operation(word: &[u8]) -> Option<Operation> {
         && (bytes > 0 || rays > 0)
         && parts.next().is_none();
     let addr = HostAddr(u32::try_from(addr).ok()?);
-    legal.then_some(Operation { addr, bytes, rays, port })
+    legal.then_some(Operation { addr, bytes, rays, unit })
 }
 
 impl fmt::Display for Request {
@@ -102,8 +100,8 @@ impl fmt::Display for Request {
             Self::Run => "run",
             Self::Flush => "flush",
         })?;
-        for Operation { addr, bytes, rays, port } in self.operations() {
-            write!(f, " {},{:x},{bytes:x},{rays:x}", UNITS[*port as usize], addr.0)?;
+        for Operation { addr, bytes, rays, unit } in self.operations() {
+            write!(f, " {},{:x},{bytes:x},{rays:x}", UNITS[*unit as usize], addr.0)?;
         }
         Ok(())
     }

@@ -4,9 +4,8 @@ use super::config::{self, Setting};
 use super::request::{Request, push_answer};
 use crate::kind::Oracle;
 use crate::serve::{Served, Unsupported};
-use saarcor_model::chip::{Observer, Report, simulate_observed};
-use saarcor_model::program::Programs;
-use saarcor_reference::chip::naive_simulate;
+use saarcor_model::time::{Observer, Programs, Report, simulate_observed};
+use saarcor_oracles::chip::naive_simulate;
 
 /// An oracle with the packets that it was told.
 #[derive(Clone, Debug)]

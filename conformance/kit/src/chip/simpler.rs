@@ -2,7 +2,7 @@
 
 use super::request::Request;
 use crate::session::Session;
-use saarcor_model::program::Operation;
+use saarcor_model::time::Operation;
 
 /// Requests with fewer operations than one, the boldest first.
 fn fewer_operations(request: &Request) -> Vec<Request> {

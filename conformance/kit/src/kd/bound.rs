@@ -8,7 +8,7 @@
 //! their absolute values add up to at most 2²⁴ times it, nothing is rounded in any order, and nothing is
 //! charged: with small whole numbers an implementation has to be exact.
 
-use saarcor_model::intersection::Number;
+use saarcor_model::rays::Number;
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

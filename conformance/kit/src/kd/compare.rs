@@ -7,7 +7,7 @@ use crate::kind::{Comparison, Difference, Oracle};
 use crate::level::Level;
 use crate::serve::Served as _;
 use crate::session::Session;
-use saarcor_model::ray::{Query, Ray};
+use saarcor_model::rays::{Query, Ray};
 
 /// The comparison of one session.
 pub struct KdComparison {

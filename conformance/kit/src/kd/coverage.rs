@@ -6,9 +6,8 @@ use super::walk::{Step, reciprocals, steps};
 use super::world::Scene;
 use crate::kind::{Coverage, Covered, Oracle};
 use crate::session::Session;
-use saarcor_model::kdtree::{Axis, MAX_DEPTH};
-use saarcor_model::ray::Ray;
-use saarcor_model::traversal::Children;
+use saarcor_model::host::{Axis, MAX_DEPTH};
+use saarcor_model::rays::{Children, Ray};
 use std::collections::BTreeSet;
 
 /// How a ray goes to a plane, by the reciprocal of its direction across it.

@@ -17,7 +17,7 @@ use crate::serve::{Served, Unsupported};
 use crate::session::Session;
 use crate::suites;
 use request::{Request, push_ray};
-use saarcor_model::ray::{Query, Ray};
+use saarcor_model::rays::{Query, Ray};
 use scene::Made;
 use served::KdServed;
 

@@ -6,7 +6,7 @@ use super::scene::Made;
 use super::world::KERNELS;
 use crate::random::Random;
 use glam::Vec3;
-use saarcor_model::ray::{Query, Ray};
+use saarcor_model::rays::{Query, Ray};
 
 /// Rays of a scene.
 const RAYS: usize = 64;

@@ -3,8 +3,8 @@
 use crate::hex;
 use crate::vm::request::Request as VmRequest;
 use glam::Vec3;
-use saarcor_model::kdtree::Aabb;
-use saarcor_model::ray::{Query, Ray};
+use saarcor_model::host::Aabb;
+use saarcor_model::rays::{Query, Ray};
 
 /// Addresses end here (Assumed): 16 MiB, so that an implementation may hold them in an array.
 pub const END_OF_ADDRESSES: u64 = 1 << 24;

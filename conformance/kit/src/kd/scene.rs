@@ -4,10 +4,11 @@ use super::request::{push_bounds, push_write};
 use super::world::Scene;
 use crate::random::Random;
 use glam::Vec3;
-use saarcor_model::image::{HostImage, NODE_BYTES, REGION_ALIGNMENT, TRIANGLE_BYTES};
-use saarcor_model::intersection::Kernel;
-use saarcor_model::kdtree::{Aabb, Axis, KdTree, Node};
-use saarcor_model::scene::{Material, Scene as ModelScene, Triangle};
+use saarcor_model::host::{
+    Aabb, Axis, HostImage, KdTree, Material, NODE_BYTES, Node, REGION_ALIGNMENT, Scene as ModelScene,
+    TRIANGLE_BYTES, Triangle,
+};
+use saarcor_model::rays::Kernel;
 
 /// Triangles of a cell that is not cut.
 const MAX_LEAF: usize = 2;

@@ -6,10 +6,9 @@ use super::world::{Scene, World, parse_config};
 use crate::hex;
 use crate::kind::Oracle;
 use crate::serve::{Served, Unsupported};
-use saarcor_model::intersection::Kernel;
-use saarcor_model::ray::{Query, Ray};
-use saarcor_reference::exact::rational::nearest_f32;
-use saarcor_reference::exact::{closest, solve};
+use saarcor_model::rays::{Kernel, Query, Ray};
+use saarcor_oracles::exact::rational::nearest_f32;
+use saarcor_oracles::exact::{closest, solve};
 
 /// An oracle with what it was told.
 #[derive(Clone, Debug)]

@@ -9,12 +9,11 @@ use super::bound::Bounded;
 use super::request::Hit;
 use super::world::Scene;
 use glam::Vec3;
-use saarcor_model::intersection::{
-    Candidate, EdgeTriangle, Kernel, Number, PluckerTriangle, TriangleTest, WatertightTriangle,
+use saarcor_model::rays::{
+    Candidate, EdgeTriangle, Kernel, Number, PluckerTriangle, Ray, TriangleTest, WatertightTriangle,
 };
-use saarcor_model::ray::Ray;
-use saarcor_reference::exact::rational::nearest_f64;
-use saarcor_reference::exact::{closest, solve};
+use saarcor_oracles::exact::rational::nearest_f64;
+use saarcor_oracles::exact::{closest, solve};
 
 /// Why an answer is wrong: the requirement, and a sentence.
 pub type Wrong = (&'static str, String);

@@ -2,22 +2,19 @@
 //! shown, and what is counted as coverage.
 
 use super::world::Scene;
-use saarcor_model::image::{LIST_ENTRY_BYTES, ListEntry, NODE_BYTES, NodeRecord};
-use saarcor_model::intersection::Prepared;
-use saarcor_model::kdtree::{Axis, MAX_DEPTH};
-use saarcor_model::memory::{Memory, Port};
-use saarcor_model::ray::{Hits, Packet, Query, Ray};
-use saarcor_model::traversal::{
-    Children, Stack, Traversal, is_downwards, max, min, reciprocal, visit, widen,
+use saarcor_model::host::{Axis, LIST_ENTRY_BYTES, ListEntry, MAX_DEPTH, NODE_BYTES, NodeRecord};
+use saarcor_model::rays::{
+    Children, Hits, Packet, Prepared, Query, Ray, Stack, Traversal, is_downwards, max, min, reciprocal,
+    visit, widen,
 };
-use saarcor_model::units::HostAddr;
-use saarcor_reference::flat::FlatMemory;
+use saarcor_model::vm::{HostAddr, Memory, Unit};
+use saarcor_oracles::flat::FlatMemory;
 
 /// The host's memory, which notes what is read.
 pub struct Noting<'a> {
     memory: FlatMemory<'a>,
     /// What was read, in order.
-    pub touched: Vec<(Port, u32)>,
+    pub touched: Vec<(Unit, u32)>,
 }
 
 impl<'a> Noting<'a> {
@@ -29,15 +26,15 @@ impl<'a> Noting<'a> {
 }
 
 impl Memory for Noting<'_> {
-    fn read(&mut self, port: Port, addr: HostAddr, bytes: &mut [u8]) {
-        self.touched.push((port, addr.0));
-        self.memory.read(port, addr, bytes);
+    fn read(&mut self, unit: Unit, addr: HostAddr, bytes: &mut [u8]) {
+        self.touched.push((unit, addr.0));
+        self.memory.read(unit, addr, bytes);
     }
 }
 
 /// What the model says of a ray: its hit, and what it reads.
 #[must_use]
-pub fn trace(memory: &[u8], scene: &Scene, ray: &Ray, query: Query) -> (Hits<1>, Vec<(Port, u32)>) {
+pub fn trace(memory: &[u8], scene: &Scene, ray: &Ray, query: Query) -> (Hits<1>, Vec<(Unit, u32)>) {
     let mut noting = Noting::new(memory);
     let packet = Packet::new([Some(*ray)]);
     let hits = Traversal::default().run(&mut noting, &scene.registers, &packet, query);
@@ -106,7 +103,7 @@ pub fn steps(memory: &[u8], scene: &Scene, ray: &Ray) -> Vec<Step> {
             continue;
         }
         let (list, count) = loop {
-            match NodeRecord::decode(memory.fetch(Port::Node, addr)) {
+            match NodeRecord::decode(memory.fetch(Unit::Traversal, addr)) {
                 NodeRecord::Leaf { list, count } => break (list, count),
                 NodeRecord::Inner { axis, split, below } => {
                     let reciprocal = reciprocals[axis as usize];
@@ -125,10 +122,10 @@ pub fn steps(memory: &[u8], scene: &Scene, ray: &Ray) -> Vec<Step> {
         let after_hit = hits.is_hit(0);
         steps.push(Step::Leaf { addr: addr.0, count, interval: (enter, leave), after_hit });
         for entry in 0..count {
-            let entry = memory.fetch(Port::List, list.offset(entry * LIST_ENTRY_BYTES));
+            let entry = memory.fetch(Unit::List, list.offset(entry * LIST_ENTRY_BYTES));
             let ListEntry { triangle, tag } = ListEntry::decode(entry);
             let before = hits.triangle[0];
-            Prepared::decode(scene.registers.kernel, tag, memory.fetch(Port::Triangle, triangle))
+            Prepared::decode(scene.registers.kernel, tag, memory.fetch(Unit::Intersection, triangle))
                 .intersect_packet(triangle.0, &packet, (&[enter], &[leave]), Query::Closest, &mut hits);
             let taken = hits.triangle[0] != before;
             steps.push(Step::Test { addr: triangle.0, taken, replaces: before != Hits::<1>::NOTHING });

@@ -4,12 +4,12 @@ use super::request::{END_OF_ADDRESSES, Request};
 use crate::hex;
 use crate::vm::config::{Choices, named};
 use glam::Vec3;
-use saarcor_model::image::{LIST_ENTRY_BYTES, ListEntry, NODE_BYTES, NodeRecord, Registers, TRIANGLE_BYTES};
-use saarcor_model::intersection::Kernel;
-use saarcor_model::kdtree::{Aabb, KdTree, Node};
-use saarcor_model::memory::HostMemory as _;
-use saarcor_model::scene::{Features, Triangle};
-use saarcor_model::units::HostAddr;
+use saarcor_model::host::{
+    Aabb, Features, KdTree, LIST_ENTRY_BYTES, ListEntry, NODE_BYTES, Node, NodeRecord, Registers,
+    TRIANGLE_BYTES, Triangle,
+};
+use saarcor_model::rays::Kernel;
+use saarcor_model::vm::{HostAddr, HostMemory as _};
 use std::collections::{BTreeMap, VecDeque};
 
 /// The triangle tests that read the corners of a triangle, by their names.

@@ -7,7 +7,7 @@ use crate::kind::{Comparison, Difference};
 use crate::level::Level;
 use crate::serve::Served as _;
 use crate::session::Session;
-use saarcor_reference::metadata::Moved;
+use saarcor_oracles::metadata::Moved;
 
 /// The comparison of one session.
 pub struct MetaComparison {
@@ -50,7 +50,7 @@ impl MetaComparison {
         }
         let shown = |evicted: Option<u64>| evicted.map_or("none".to_owned(), |host| format!("{host:x}"));
         (right.evicted != got.evicted)
-            .then(|| format!("line {} pushed out; {} is right", shown(got.evicted), shown(right.evicted)))
+            .then(|| format!("line {} evicted; {} is right", shown(got.evicted), shown(right.evicted)))
     }
 }
 

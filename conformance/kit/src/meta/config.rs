@@ -2,8 +2,7 @@
 //! `granule=16 meta-sets=1024 meta-ways=4 faults=0`.
 
 use crate::vm::config;
-use saarcor_model::metadata::ENTRY_BYTES;
-use saarcor_model::vm::CacheConfig;
+use saarcor_model::vm::{CacheConfig, ENTRY_BYTES};
 
 /// Values that the kit's model is built for.
 const WAYS: &[u32] = &[1, 2, 4, 8];

@@ -5,9 +5,8 @@ use super::request::Request;
 use super::tags::{ModelTags, Tags as _};
 use crate::kind::{Coverage, Covered};
 use crate::session::Session;
-use saarcor_model::set::Outcome;
-use saarcor_model::units::{HostAddr, LineAddr};
-use saarcor_reference::metadata::Moved;
+use saarcor_model::vm::{HostAddr, LineAddr, Outcome};
+use saarcor_oracles::metadata::Moved;
 use std::collections::BTreeSet;
 
 /// Ways of the small geometry, and granules that its metadata cache holds.

@@ -14,8 +14,7 @@ use crate::session::Session;
 use crate::suites;
 use config::MetaConfig;
 use request::Request;
-use saarcor_model::metadata::ENTRY_BYTES;
-use saarcor_model::units::HostAddr;
+use saarcor_model::vm::{ENTRY_BYTES, HostAddr};
 use std::collections::BTreeSet;
 use tags::TagsServed;
 
@@ -75,7 +74,7 @@ impl Kind for Meta {
                 Request::Flush => turned.clear(),
                 // Two errors of an entry may not be told (VM-12).
                 Request::TurnOver { byte, .. } if !turned.insert(byte as usize / ENTRY_BYTES) => {
-                    return Err(wrong("an entry is turned over once until the next flush"));
+                    return Err(wrong("an entry is flipped once until the next flush"));
                 }
                 _ => {}
             }

@@ -2,7 +2,7 @@
 
 use crate::hex;
 use crate::vm::request::{END_OF_ADDRESSES, address};
-use saarcor_reference::metadata::Moved;
+use saarcor_oracles::metadata::Moved;
 use std::fmt;
 
 /// A request.
@@ -22,7 +22,7 @@ pub enum Request {
     },
     /// All lines are invalidated.
     Flush,
-    /// Bits of a byte of the metadata on the card turn over.
+    /// Bits of a byte of the metadata on the card flip.
     TurnOver {
         /// The byte, from the begin of the metadata.
         byte: u32,
@@ -85,7 +85,7 @@ pub struct Observes {
     pub hit: bool,
     /// Where on the card its byte lies.
     pub card: bool,
-    /// Which line is pushed out.
+    /// Which line is evicted.
     pub evict: bool,
     /// Which granules of metadata move.
     pub meta: bool,
@@ -133,7 +133,7 @@ pub struct Answer {
     pub hit: Option<bool>,
     /// Where on the card its byte lies.
     pub card: Option<u64>,
-    /// Host address of the line that is pushed out; none if nothing is, or it is not observed.
+    /// Host address of the line that is evicted; none if nothing is, or it is not observed.
     pub evicted: Option<u64>,
     /// What moved; bytes that are not observed are none.
     pub moved: Option<Vec<Moved>>,

@@ -5,12 +5,10 @@ use super::config::{self, MetaConfig};
 use super::request::{Observes, Request, push_moved};
 use crate::hex;
 use crate::serve::{Served, Unsupported};
-use saarcor_model::data_set::WriteBack;
-use saarcor_model::metadata_cache::{CachedMetadata, Watch};
-use saarcor_model::set::{Outcome, Policy, Set};
-use saarcor_model::units::{HostAddr, LineAddr};
-use saarcor_model::vm::Directory;
-use saarcor_reference::metadata::{Moved, NaiveTags};
+use saarcor_model::vm::{
+    CachedMetadata, Directory, HostAddr, LineAddr, Outcome, Policy, Set, Watch, WriteBack,
+};
+use saarcor_oracles::metadata::{Moved, NaiveTags};
 
 /// An implementation of version B's tags, empty at first.
 pub trait Tags: Send {
@@ -24,7 +22,7 @@ pub trait Tags: Send {
     fn flush(&mut self);
 
     /// Turns bits of a byte of the metadata on the card over.
-    fn turn_over(&mut self, byte: usize, mask: u8);
+    fn flip(&mut self, byte: usize, mask: u8);
 
     /// The set of a line, for a person; nothing where it cannot be seen.
     fn shown(&self, _line: LineAddr) -> Vec<String> {
@@ -91,7 +89,7 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> Tags
         self.directory.flush();
     }
 
-    fn turn_over(&mut self, byte: usize, mask: u8) {
+    fn flip(&mut self, byte: usize, mask: u8) {
         self.directory.metadata.card[byte] ^= mask;
     }
 
@@ -139,8 +137,8 @@ impl Tags for NaiveTags {
         self.flush();
     }
 
-    fn turn_over(&mut self, byte: usize, mask: u8) {
-        self.turn_over(byte, mask);
+    fn flip(&mut self, byte: usize, mask: u8) {
+        self.flip(byte, mask);
     }
 }
 
@@ -247,7 +245,7 @@ impl Served for TagsServed {
                 answer.extend_from_slice(b"ok");
             }
             Request::Flush => self.tags.flush(),
-            Request::TurnOver { byte, mask } => self.tags.turn_over(byte as usize, mask),
+            Request::TurnOver { byte, mask } => self.tags.flip(byte as usize, mask),
         }
         match request {
             Request::Flush | Request::TurnOver { .. } => answer.extend_from_slice(b"ok"),

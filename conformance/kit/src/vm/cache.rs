@@ -4,8 +4,7 @@ use super::config;
 use super::request::{Observes, Request};
 use crate::hex;
 use crate::serve::{Served, Unsupported};
-use saarcor_model::units::{CardAddr, HostAddr};
-use saarcor_model::vm::CacheConfig;
+use saarcor_model::vm::{CacheConfig, CardAddr, HostAddr};
 
 /// What a read did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +20,7 @@ pub struct Access {
 pub enum Outcome {
     /// The line was resident.
     Hit,
-    /// The line was loaded; the first address of the one pushed out for it, if any was.
+    /// The line was loaded; the first address of the one evicted for it, if any was.
     Miss(Option<HostAddr>),
 }
 

@@ -13,9 +13,7 @@ use crate::kind::{Comparison, Difference};
 use crate::level::Level;
 use crate::serve::Served as _;
 use crate::session::Session;
-use saarcor_model::memory::HostMemory as _;
-use saarcor_model::units::HostAddr;
-use saarcor_model::vm::CacheConfig;
+use saarcor_model::vm::{CacheConfig, HostAddr, HostMemory as _};
 use std::collections::HashMap;
 
 /// The comparison of one session.
@@ -216,7 +214,7 @@ impl Careful {
             (false, Life { invalidated: true, .. }) => {
                 ("VM-8", "a hit: the line was invalidated since its last read")
             }
-            (false, _) => ("VM-6", "a hit: the line was pushed out since its last read"),
+            (false, _) => ("VM-6", "a hit: the line was evicted since its last read"),
         };
         Difference { level: Level::Traffic, says: says.to_owned(), requirement }
     }
@@ -260,7 +258,7 @@ impl Careful {
             let shown = |evicted: Option<u64>| evicted.map_or("none".to_owned(), |host| format!("{host:x}"));
             let requirement = if right.evicted.is_none() { "VM-7" } else { "VM-6" };
             let (got, right) = (shown(got.evicted), shown(right.evicted));
-            differs(requirement, format!("line {got} pushed out of {host:x}'s set; {right} is right"));
+            differs(requirement, format!("line {got} evicted of {host:x}'s set; {right} is right"));
         }
     }
 }

@@ -1,11 +1,7 @@
 //! The configuration of `saarcor-vm`: `line=128 lines=65536 ways=4 hash=add-upper policy=lru`.
 
 use crate::MAX_LINE_BYTES;
-use saarcor_model::geometry::Geometry;
-use saarcor_model::hash::Hash;
-use saarcor_model::set::Policy;
-use saarcor_model::units::Bytes;
-use saarcor_model::vm::CacheConfig;
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy};
 
 /// Values of a key by their names.
 pub type Choices<T> = &'static [(&'static str, T)];

@@ -6,8 +6,7 @@ use super::model::ModelCache;
 use super::request::{END_OF_ADDRESSES, Request};
 use crate::kind::{Coverage, Covered};
 use crate::session::Session;
-use saarcor_model::set::{Outcome, Policy, Set};
-use saarcor_model::units::{HostAddr, LineAddr};
+use saarcor_model::vm::{HostAddr, LineAddr, Outcome, Policy, Set};
 use std::collections::BTreeSet;
 
 /// Ways of the small geometry: the paper's.

@@ -1,7 +1,6 @@
 //! The host's memory of a session: zero but for what was written.
 
-use saarcor_model::memory::HostMemory;
-use saarcor_model::units::HostAddr;
+use saarcor_model::vm::{HostAddr, HostMemory};
 
 const PAGE_BITS: u32 = 12;
 const PAGE: usize = 1 << PAGE_BITS;

@@ -18,9 +18,7 @@ use crate::session::Session;
 use crate::suites;
 use cache::CacheServed;
 use request::Request;
-use saarcor_model::set::{Policy, Set};
-use saarcor_model::units::HostAddr;
-use saarcor_model::vm::CacheConfig;
+use saarcor_model::vm::{CacheConfig, HostAddr, Policy, Set};
 
 /// The kind `saarcor-vm`.
 #[derive(Clone, Copy, Debug)]

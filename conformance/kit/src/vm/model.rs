@@ -3,9 +3,9 @@
 use super::cache::{Access, Cache, Outcome};
 use super::host::SparseHost;
 use crate::serve::Unsupported;
-use saarcor_model::set::{Outcome as SetOutcome, Set};
-use saarcor_model::units::{CardAddr, HostAddr, LineAddr};
-use saarcor_model::vm::{CacheConfig, Directory, VirtualMemory};
+use saarcor_model::vm::{
+    CacheConfig, CardAddr, Directory, HostAddr, LineAddr, Outcome as SetOutcome, Set, VirtualMemory,
+};
 
 /// The model's virtual memory with sets of `WAYS` lines.
 #[derive(Clone, Debug)]

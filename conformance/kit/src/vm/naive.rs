@@ -3,11 +3,8 @@
 use super::cache::{Access, Cache, Outcome};
 use super::host::SparseHost;
 use crate::serve::Unsupported;
-use saarcor_model::memory::HostMemory as _;
-use saarcor_model::set::Outcome as SetOutcome;
-use saarcor_model::units::{CardAddr, HostAddr, LineAddr};
-use saarcor_model::vm::CacheConfig;
-use saarcor_reference::cache::NaiveCache;
+use saarcor_model::vm::{CacheConfig, CardAddr, HostAddr, HostMemory as _, LineAddr, Outcome as SetOutcome};
+use saarcor_oracles::cache::NaiveCache;
 use std::collections::HashMap;
 
 struct NaiveMemory {

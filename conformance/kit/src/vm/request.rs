@@ -115,7 +115,7 @@ pub struct Observes {
     pub hit: bool,
     /// Where on the card the bytes lie.
     pub card: bool,
-    /// Which line is pushed out.
+    /// Which line is evicted.
     pub evict: bool,
 }
 
@@ -157,7 +157,7 @@ pub struct ReadAnswer<'a> {
     pub hit: Option<bool>,
     /// Where on the card the bytes lie.
     pub card: Option<u64>,
-    /// Host address of the line that is pushed out; none if nothing is, or it is not observed.
+    /// Host address of the line that is evicted; none if nothing is, or it is not observed.
     pub evicted: Option<u64>,
     /// Two hex digits a byte.
     pub data: Option<&'a [u8]>,

@@ -7,12 +7,12 @@ use super::config;
 use crate::hex;
 use crate::random::Random;
 use crate::session::{Session, SessionError};
-use saarcor_model::units::HostAddr;
+use saarcor_model::vm::HostAddr;
 use std::collections::BTreeSet;
 
 /// Traces of the kit by their names.
 pub const FRAMES: &[(&str, &str)] =
-    &[("vm/frame/pquake3-nt-150", include_str!("../../../../reference/traces/pquake3-nt-150.din"))];
+    &[("vm/frame/pquake3-nt-150", include_str!("../../../../reference/oracles/traces/pquake3-nt-150.din"))];
 
 /// Configurations that a trace is played with: the standard one, which holds all of a small frame,
 /// and ones that do not.

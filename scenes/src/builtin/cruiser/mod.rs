@@ -14,7 +14,7 @@ mod surfaces;
 use std::f32::consts::FRAC_PI_2;
 
 use glam::{Affine3A, Quat, Vec3, vec3};
-use saarcor_model::scene::{Light, Scene};
+use saarcor_model::host::{Light, Scene};
 
 use super::mesh::Mesh;
 use super::palette::Palette;

@@ -11,7 +11,7 @@ mod surfaces;
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use glam::{Affine3A, Quat, Vec2, Vec3, vec2, vec3};
-use saarcor_model::scene::{Light, Scene};
+use saarcor_model::host::{Light, Scene};
 
 use super::mesh::{Mesh, Surface, Vertex, circle};
 use super::palette::Palette;

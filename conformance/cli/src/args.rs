@@ -1,0 +1,486 @@
+//! What arguments mean, and the groups of arguments that verbs share.
+
+use crate::kept_worlds::KeptWorlds;
+use crate::limits::check_state;
+use crate::simulate::PacketOrder;
+use crate::standard;
+use crate::walk::{PacketSize, TraceOptions};
+use crate::world::{World, WorldOptions};
+use anyhow::{Context, Result};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use saarcor_kit::vm::config::{Choices, HASHES, POLICIES, name_of, named};
+use saarcor_model::rays::Kernel;
+use saarcor_model::time::{CHIP_CACHE_WAYS, ChipConfig, PciConfig, SdramConfig, UNIT_NAMES, Version};
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy, Unit};
+use saarcor_scenes::kdbuild::{BuildOptions, SplitRule};
+use std::fmt;
+use std::ops::Range;
+use std::str::FromStr;
+
+/// The triangle tests by their names.
+pub const KERNELS: Choices<Kernel> = &[
+    ("moller-trumbore", Kernel::MollerTrumbore),
+    ("wald", Kernel::Wald),
+    ("plucker", Kernel::Plucker),
+    ("watertight", Kernel::Watertight),
+    ("adaptive", Kernel::Adaptive),
+];
+const TREES: Choices<SplitRule> = &[("sah", SplitRule::SurfaceArea), ("median", SplitRule::SpatialMedian)];
+const PACKETS: Choices<PacketSize> = &[
+    ("1", PacketSize::Rays1),
+    ("4", PacketSize::Rays4),
+    ("16", PacketSize::Rays16),
+    ("64", PacketSize::Rays64),
+];
+const VERSIONS: Choices<Version> = &[("none", Version::None), ("a", Version::A), ("b", Version::B)];
+const ORDERS: Choices<PacketOrder> = &[("scan", PacketOrder::Scan), ("morton", PacketOrder::Morton)];
+const BUSES: Choices<PciConfig> =
+    &[("33x32", PciConfig::BITS_32_AT_33_MHZ), ("66x64", PciConfig::BITS_64_AT_66_MHZ)];
+const WAYS: Choices<u32> = &[("1", 1), ("2", 2), ("4", 4), ("8", 8), ("16", 16)];
+
+/// An argument that is one of `choices`.
+pub fn choice<T: Copy + Send + Sync>(choices: Choices<T>) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(choices.iter().map(|(name, _)| *name)).map(move |given| {
+        let chosen = choices.iter().find(|(name, _)| *name == given);
+        chosen.expect("the parser lets only these names pass").1
+    })
+}
+
+/// The name of a triangle test.
+#[must_use]
+pub fn kernel_name(kernel: Kernel) -> &'static str {
+    name_of(KERNELS, &kernel)
+}
+
+/// A size in bytes: `128`, `64KiB`, `8MiB`, `1GiB`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size(pub Bytes);
+
+/// Units of sizes, the largest first, with their binary logarithms.
+const UNITS: [(&str, u32); 4] = [("GiB", 30), ("MiB", 20), ("KiB", 10), ("", 0)];
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let right = "write bytes, KiB, MiB or GiB, such as 128 or 8MiB";
+        let (unit, shift) = UNITS.into_iter().find(|(unit, _)| text.ends_with(unit)).unwrap_or_default();
+        let digits = &text[..text.len() - unit.len()];
+        if digits.is_empty() || !digits.bytes().all(|digit| digit.is_ascii_digit()) {
+            return Err(format!("no size; {right}"));
+        }
+        let number = digits.parse::<u64>().ok().and_then(|number| number.checked_mul(1 << shift));
+        number.map(|bytes| Self(Bytes(bytes))).ok_or_else(|| "too large a size".to_owned())
+    }
+}
+
+impl fmt::Display for Size {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Bytes(bytes) = self.0;
+        let fits = |(_, shift): &(&str, u32)| bytes != 0 && bytes % (1 << shift) == 0;
+        let (unit, shift) = UNITS.into_iter().find(fits).unwrap_or_default();
+        write!(f, "{}{unit}", bytes >> shift)
+    }
+}
+
+/// Frames of a path, half open: `A..B`, `A..`, `..B` or `..`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameRange {
+    begin: Option<usize>,
+    end: Option<usize>,
+}
+
+impl FromStr for FrameRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let right = || "write A..B for the frames from A on and before B".to_owned();
+        let (begin, end) = text.split_once("..").ok_or_else(right)?;
+        let bound = |bound: &str| match bound {
+            "" => Ok(None),
+            number if number.bytes().all(|digit| digit.is_ascii_digit()) => {
+                number.parse().map(Some).map_err(|_| "too large a frame".to_owned())
+            }
+            _ => Err(right()),
+        };
+        let (begin, end) = (bound(begin)?, bound(end)?);
+        match end {
+            Some(end) if end <= begin.unwrap_or(0) => {
+                Err("no frames: B itself is not among the frames of A..B".to_owned())
+            }
+            _ => Ok(Self { begin, end }),
+        }
+    }
+}
+
+impl FrameRange {
+    /// The last frame that a path must have for this range.
+    #[must_use]
+    pub fn last(self) -> Option<usize> {
+        self.end.map(|end| end - 1).or(self.begin)
+    }
+
+    /// These frames of the world's path, which has the last of them.
+    #[must_use]
+    pub fn of(self, world: &World) -> Range<usize> {
+        self.begin.unwrap_or(0)..self.end.unwrap_or(world.path.len())
+    }
+}
+
+/// Pixels a row and rows: `1024x768`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Resolution {
+    /// Pixels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+/// Most pixels a row and most rows.
+const MAX_SIDE: u32 = 16384;
+
+impl FromStr for Resolution {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let side = |text: &str| text.parse().ok().filter(|side| (1..=MAX_SIDE).contains(side));
+        let sides = text.split_once('x').and_then(|(width, height)| side(width).zip(side(height)));
+        let (width, height) = sides
+            .ok_or_else(|| format!("write WIDTHxHEIGHT, such as 1024x768, of 1 to {MAX_SIDE} pixels"))?;
+        Ok(Self { width, height })
+    }
+}
+
+impl fmt::Display for Resolution {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{}", self.width, self.height)
+    }
+}
+
+/// Which scene, and how it is made ready for the chip.
+#[derive(Clone, Debug, clap::Args)]
+pub struct SceneArgs {
+    /// A built-in scene ('saarcor scenes' lists them) or the path of an OBJ file
+    #[arg(value_name = "SCENE")]
+    pub scene: String,
+    /// Takes only the first N lights
+    #[arg(long, value_name = "N")]
+    lights: Option<usize>,
+    /// Leaves textures and bump maps away
+    #[arg(long)]
+    no_textures: bool,
+    /// Reads textures and bump maps at full resolution, however far away
+    #[arg(long)]
+    no_mip_maps: bool,
+    /// How the kd-tree is built: surface area heuristic, or spatial median as in 2003
+    #[arg(long, value_parser = choice(TREES), default_value = name_of(TREES, &SplitRule::SurfaceArea))]
+    tree: SplitRule,
+    /// Triangle test [default: moller-trumbore; where answers are judged, adaptive]
+    #[arg(long, value_parser = choice(KERNELS))]
+    pub kernel: Option<Kernel>,
+}
+
+impl SceneArgs {
+    /// What to make ready, with a path that has `last_frame`.
+    #[must_use]
+    pub fn options(&self, last_frame: Option<usize>) -> WorldOptions {
+        WorldOptions {
+            scene: self.scene.clone(),
+            lights: self.lights,
+            no_textures: self.no_textures,
+            no_mip_maps: self.no_mip_maps,
+            tree: BuildOptions { rule: self.tree, ..BuildOptions::default() },
+            kernel: self.kernel.unwrap_or_default(),
+            last_frame,
+            kept: KeptWorlds::of_user(),
+        }
+    }
+}
+
+/// Sizes of the virtual memory.
+#[derive(Clone, Debug, clap::Args)]
+pub struct GeometryArgs {
+    /// Size of a line
+    #[arg(long, value_name = "SIZE", default_value_t = Size(standard::line()))]
+    line: Size,
+    /// Lines a set
+    #[arg(long, value_parser = choice(WAYS), default_value = name_of(WAYS, &standard::ways()))]
+    ways: u32,
+}
+
+impl GeometryArgs {
+    /// The cache of these sizes that `memory` makes.
+    ///
+    /// # Errors
+    /// If the sizes do not make a cache.
+    pub fn geometry(&self, memory: Size) -> Result<Geometry> {
+        Ok(Geometry::new(memory.0, self.line.0, self.ways)?)
+    }
+}
+
+/// The virtual memory.
+#[derive(Clone, Debug, clap::Args)]
+pub struct CacheArgs {
+    /// On-board memory [default: the paper's for a built-in scene, else 8MiB]
+    #[arg(long, value_name = "SIZE")]
+    memory: Option<Size>,
+    #[command(flatten)]
+    geometry: GeometryArgs,
+    /// How a line's set is found
+    #[arg(long, value_parser = choice(HASHES), default_value = name_of(HASHES, &Hash::default()))]
+    hash: Hash,
+    /// Which line of a full set gives way
+    #[arg(long, value_parser = choice(POLICIES), default_value = name_of(POLICIES, &Policy::default()))]
+    policy: Policy,
+}
+
+impl CacheArgs {
+    /// The virtual memory for a scene.
+    ///
+    /// # Errors
+    /// If the sizes do not make a cache, or one that takes too much memory to simulate.
+    pub fn config(&self, scene: &str) -> Result<CacheConfig> {
+        let geometry = self.geometry.geometry(self.memory.unwrap_or(Size(standard::memory(scene))))?;
+        let config = CacheConfig { geometry, hash: self.hash, policy: self.policy };
+        check_state(config, Bytes(0))?;
+        Ok(config)
+    }
+}
+
+/// The virtual memory in words.
+#[must_use]
+pub fn describe(config: &CacheConfig) -> String {
+    let CacheConfig { geometry, hash, policy } = config;
+    format!(
+        "virtual memory: {}, {} ways, lines of {}, hash {}, {}; metadata {} KiB",
+        Size(geometry.memory()),
+        geometry.ways(),
+        Size(geometry.line()),
+        name_of(HASHES, hash),
+        name_of(POLICIES, policy),
+        geometry.metadata().0 as f64 / 1024.0
+    )
+}
+
+/// A size for one type of unit: `list=64KiB`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UnitSize {
+    unit: usize,
+    size: Size,
+}
+
+impl FromStr for UnitSize {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let right = || format!("write UNIT=SIZE with a unit of {}", UNIT_NAMES.join(", "));
+        let (unit, size) = text.split_once('=').ok_or_else(right)?;
+        let unit = UNIT_NAMES.iter().position(|name| *name == unit).ok_or_else(right)?;
+        Ok(Self { unit, size: size.parse()? })
+    }
+}
+
+/// The chip around the virtual memory.
+#[derive(Clone, Debug, clap::Args)]
+pub struct ChipArgs {
+    /// Version of the virtual memory: none, metadata on the chip, or in the on-board memory
+    #[arg(long, value_parser = choice(VERSIONS), default_value = name_of(VERSIONS, &Version::A))]
+    variant: Version,
+    /// In which order packets are handed out: row by row, or near ones together
+    #[arg(long, value_parser = choice(ORDERS), default_value = name_of(ORDERS, &PacketOrder::default()))]
+    pub order: PacketOrder,
+    /// Bus to the host: MHz x bits
+    #[arg(long, value_parser = choice(BUSES), default_value = name_of(BUSES, &PciConfig::BITS_32_AT_33_MHZ))]
+    pci: PciConfig,
+    /// Ray tracing pipelines
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    pipelines: u32,
+    /// Threads a pipeline: packets in flight
+    #[arg(long, value_name = "N", default_value_t = 16)]
+    threads_per_rtp: u32,
+    /// Size of the metadata cache of version b
+    #[arg(long, value_name = "SIZE", default_value_t = Size(Bytes(64 << 10)))]
+    metadata_cache: Size,
+    /// Bytes of metadata that are read and written back together
+    #[arg(long, value_name = "SIZE", default_value_t = Size(Bytes(16)))]
+    granule: Size,
+    /// Banks of the on-board memory
+    #[arg(long, value_name = "N", default_value_t = SdramConfig::STANDARD.banks)]
+    banks: u32,
+    /// Size of a first-level cache, such as intersection=576KiB [default: the paper's]
+    #[arg(long, value_name = "UNIT=SIZE")]
+    l1: Vec<UnitSize>,
+    /// Line of a first-level cache, such as traversal=64 [default: one item; 64 for shading]
+    #[arg(long, value_name = "UNIT=SIZE")]
+    l1_line: Vec<UnitSize>,
+    /// Look-ups a cycle of each first-level cache
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    l1_ports: u32,
+    /// Lines that can be in flight to each first-level cache at a time
+    #[arg(long, value_name = "N", default_value_t = 16)]
+    mshrs: u32,
+}
+
+impl ChipArgs {
+    /// The chip for a scene, with the virtual memory `cache`. Whether it can be is for
+    /// [`ChipConfig::check`] to say.
+    ///
+    /// # Errors
+    /// If a size is none of its cache.
+    pub fn config(&self, scene: &str, cache: CacheConfig) -> Result<ChipConfig> {
+        let mut config = ChipConfig::standard(self.variant, cache);
+        config.pci = self.pci;
+        config.sdram.banks = self.banks;
+        config.pipelines = self.pipelines;
+        config.threads = self.threads_per_rtp;
+        let narrow = |what: &str, Size(Bytes(bytes)): Size| {
+            u32::try_from(bytes).map_err(|_| anyhow::anyhow!("{what} of {bytes} bytes: at most 4294967295"))
+        };
+        config.metadata_cache.bytes = narrow("metadata cache", self.metadata_cache)?;
+        config.metadata_cache.granule = narrow("granule", self.granule)?;
+        let mut sizes: [Bytes; 4] = std::array::from_fn(|unit| Bytes(config.l1_bytes(unit)));
+        sizes[Unit::Intersection as usize] = standard::triangle_cache(scene);
+        self.l1.iter().for_each(|given| sizes[given.unit] = given.size.0);
+        for given in &self.l1_line {
+            config.l1[given.unit].line = narrow("line of a first-level cache", given.size)?;
+        }
+        for ((l1, Bytes(bytes)), name) in config.l1.iter_mut().zip(sizes).zip(UNIT_NAMES) {
+            (l1.ports, l1.mshrs) = (self.l1_ports, self.mshrs);
+            let set = u64::from(l1.line) * CHIP_CACHE_WAYS as u64;
+            let sets = bytes.checked_div(set).filter(|sets| sets * set == bytes && sets.is_power_of_two());
+            l1.sets = sets.and_then(|sets| u32::try_from(sets).ok()).with_context(|| {
+                format!(
+                    "{name} cache of {} in lines of {}: it must be a power of two of sets of {CHIP_CACHE_WAYS} lines",
+                    Size(Bytes(bytes)),
+                    l1.line
+                )
+            })?;
+        }
+        Ok(config)
+    }
+}
+
+/// What a sweep can vary, each with the values that it takes if none are named. (Lines of 32 bytes
+/// are less than the standard lines of two first-level caches, and so make no chip by themselves.)
+pub const AXES: [(&str, &str); 13] = [
+    ("line", "64,128,256,512,1KiB,2KiB,4KiB"),
+    ("ways", "1,2,4,8,16"),
+    ("hash", "low,add-upper,add-upper-all"),
+    ("memory", "4MiB,8MiB,16MiB,32MiB,64MiB"),
+    ("policy", "lru,fifo,plru"),
+    ("pci", "33x32,66x64"),
+    ("threads", "1,2,4,8,16,32"),
+    ("metadata-cache", "16KiB,32KiB,64KiB,128KiB,256KiB"),
+    ("granule", "16,32,64,128"),
+    ("triangle-cache", "144KiB,576KiB"),
+    ("shading-line", "16,32,64"),
+    ("banks", "2,4,8,16"),
+    ("variant", "none,a,b"),
+];
+
+/// Gives one of the [`AXES`] a value.
+///
+/// # Errors
+/// What would be right, where it is none.
+pub fn vary(axis: &str, value: &str, cache: &mut CacheArgs, chip: &mut ChipArgs) -> Result<(), String> {
+    match axis {
+        "line" => cache.geometry.line = value.parse()?,
+        "ways" => cache.geometry.ways = named(WAYS, value)?,
+        "hash" => cache.hash = named(HASHES, value)?,
+        "memory" => cache.memory = Some(value.parse()?),
+        "policy" => cache.policy = named(POLICIES, value)?,
+        "pci" => chip.pci = named(BUSES, value)?,
+        "banks" => chip.banks = value.parse().map_err(|_| "write a number of banks")?,
+        "threads" => {
+            chip.threads_per_rtp = value.parse().map_err(|_| "write a number of threads a pipeline")?
+        }
+        "metadata-cache" => chip.metadata_cache = value.parse()?,
+        "granule" => chip.granule = value.parse()?,
+        "triangle-cache" => {
+            chip.l1.push(UnitSize { unit: Unit::Intersection as usize, size: value.parse()? });
+        }
+        "shading-line" => {
+            chip.l1_line.push(UnitSize { unit: Unit::Shading as usize, size: value.parse()? });
+        }
+        "variant" => chip.variant = named(VERSIONS, value)?,
+        _ => {
+            let known: Vec<_> = AXES.iter().map(|(name, _)| *name).collect();
+            return Err(format!("no such axis; write one of {}", known.join(", ")));
+        }
+    }
+    Ok(())
+}
+
+/// How frames are traced.
+#[derive(Clone, Debug, clap::Args)]
+pub struct TraceArgs {
+    /// Size of the picture in pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value_t = Resolution {
+        width: standard::RESOLUTION.0, height: standard::RESOLUTION.1
+    })]
+    resolution: Resolution,
+    /// Rays a packet
+    #[arg(long, value_parser = choice(PACKETS), default_value = name_of(PACKETS, &PacketSize::Rays64))]
+    packet: PacketSize,
+    /// Reflections and refractions that may follow one another
+    #[arg(long, value_name = "N", default_value_t = standard::MAX_BOUNCES,
+          value_parser = clap::value_parser!(u32).range(0..=16))]
+    bounces: u32,
+}
+
+impl TraceArgs {
+    /// How frames are traced.
+    #[must_use]
+    pub fn options(&self) -> TraceOptions {
+        let Resolution { width, height } = self.resolution;
+        TraceOptions { resolution: (width, height), packet: self.packet, max_bounces: self.bounces }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_read_back_as_they_are_written() {
+        for (text, bytes) in [("128", 128), ("64KiB", 65_536), ("8MiB", 8 << 20), ("1GiB", 1 << 30), ("0", 0)]
+        {
+            assert_eq!(text.parse(), Ok(Size(Bytes(bytes))));
+            assert_eq!(Size(Bytes(bytes)).to_string(), text);
+        }
+        assert_eq!("1024KiB".parse(), "1MiB".parse::<Size>());
+        assert_eq!(Size(Bytes(1536)).to_string(), "1536");
+    }
+
+    #[test]
+    fn what_is_no_size_is_refused() {
+        for text in ["", "8M", "8MB", "MiB", "-1", "1.5MiB", "+8", " 8", "0x10", "8 MiB", "8mib"] {
+            assert!(text.parse::<Size>().is_err_and(|error| error.contains("8MiB")), "{text}");
+        }
+        for text in ["18446744073709551616", "99999999999GiB"] {
+            assert!(text.parse::<Size>().is_err_and(|error| error.contains("large")), "{text}");
+        }
+    }
+
+    #[test]
+    fn ranges_are_half_open() {
+        let range = |begin, end| Ok(FrameRange { begin, end });
+        assert_eq!("3..5".parse(), range(Some(3), Some(5)));
+        assert_eq!("3..".parse(), range(Some(3), None));
+        assert_eq!("..5".parse(), range(None, Some(5)));
+        assert_eq!("..".parse(), range(None, None));
+        for text in
+            ["", "3", "5..3", "3..3", "..0", "-1..2", "3...5", "3..=5", "a..b", "0..99999999999999999999"]
+        {
+            assert!(text.parse::<FrameRange>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn resolutions_are_bounded() {
+        assert_eq!("640x480".parse(), Ok(Resolution { width: 640, height: 480 }));
+        for text in ["", "640", "0x480", "640x", "640x480x3", "99999x1", "-1x1", "640X480"] {
+            assert!(text.parse::<Resolution>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! How much memory a simulation may take.
+
+use crate::args::Size;
+use anyhow::{Result, ensure};
+use saarcor_model::vm::{Bytes, CacheConfig, Set};
+
+/// Bytes that a walk keeps for each line of the host: two numbers of frames.
+const HISTORY_BYTES: u64 = 8;
+
+/// Most memory that the state of a simulation may take.
+const MAX_STATE: Bytes = Bytes(4 << 30);
+
+/// Checks that a cache in front of `host` bytes of host memory can be simulated.
+///
+/// # Errors
+/// If its state takes more memory than there should be.
+pub fn check_state(config: CacheConfig, host: Bytes) -> Result<()> {
+    let CacheConfig { geometry, .. } = config;
+    let Bytes(state) = state(config, host);
+    ensure!(
+        state <= MAX_STATE.0,
+        "memory of {} in lines of {}: simulating it takes {:.1} GiB, more than {:.0} GiB; take longer lines \
+         or less memory",
+        Size(geometry.memory()),
+        Size(geometry.line()),
+        gib(state),
+        gib(MAX_STATE.0)
+    );
+    Ok(())
+}
+
+/// Checks that, of many caches in front of `host` bytes, any `at_a_time` can be simulated together.
+///
+/// # Errors
+/// If their states take more memory than there should be.
+pub fn check_together(
+    configs: impl Iterator<Item = CacheConfig>,
+    at_a_time: usize,
+    host: Bytes,
+) -> Result<()> {
+    let mut states: Vec<u64> = configs.map(|config| state(config, host).0).collect();
+    states.sort_unstable_by(|a, b| b.cmp(a));
+    let most: u64 = states.iter().take(at_a_time).sum();
+    ensure!(
+        most <= MAX_STATE.0,
+        "the {at_a_time} largest of {} points together take {:.1} GiB, more than {:.0} GiB; take fewer --threads, \
+         longer lines or less memory",
+        states.len(),
+        gib(most),
+        gib(MAX_STATE.0)
+    );
+    Ok(())
+}
+
+fn gib(bytes: u64) -> f64 {
+    bytes as f64 / f64::from(1 << 30)
+}
+
+/// Memory that the state of a simulation takes.
+fn state(config: CacheConfig, host: Bytes) -> Bytes {
+    let CacheConfig { geometry, .. } = config;
+    let line = geometry.line().0;
+    let host_lines = host.0.div_ceil(line);
+    // The directory; what a walk knows of each line of the host; the lines that lie on the card.
+    let directory = geometry.lines() * size_of::<Set<1>>() as u64;
+    let history = host_lines * HISTORY_BYTES;
+    let card = geometry.memory().0.min(host_lines * line);
+    Bytes(directory + history + card)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use saarcor_model::vm::{Geometry, Hash, Policy};
+
+    #[test]
+    fn state_that_cannot_be_held_is_refused() {
+        let config = |memory, line| CacheConfig {
+            geometry: Geometry::new(Bytes(memory), Bytes(line), 4).expect("legal"),
+            hash: Hash::default(),
+            policy: Policy::default(),
+        };
+        assert!(check_state(config(64 << 20, 128), Bytes(1 << 30)).is_ok());
+        assert!(check_state(config(1 << 32, 1), Bytes(0)).is_err());
+        assert!(check_state(config(1 << 20, 1), Bytes(1 << 32)).is_err());
+    }
+}

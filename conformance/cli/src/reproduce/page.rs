@@ -1,0 +1,239 @@
+//! The page: all tables and graphs of a reproduction in one HTML file that needs no other.
+
+use super::verdicts::Verdict;
+use super::{Extent, Report, figure3, plot, table1, table2};
+use crate::metadata;
+use crate::table::{Table, escaped};
+use std::fmt::Write as _;
+
+const STYLE: &str = include_str!("../page.css");
+
+/// Why ours differ from the paper's.
+pub const DIFFERENCES: &[(&str, &str)] = &[
+    (
+        "The scenes are others.",
+        "The paper's scenes and camera paths are not public. Ours are generated, of the same kind, with the \
+         same numbers of triangles and lights and the same bytes of textures; each figure depends on what the \
+         camera sees, so compare shapes and magnitudes, not digits.",
+    ),
+    (
+        "Geometry is counted otherwise.",
+        "The paper's MB are files on disk, as large with as without textures and lights, so they hold fields \
+         that a variant does not need. Ours are the bytes that the chip reads: a kd-node of 8 bytes, a list \
+         entry of 4, a triangle of 36, and a shading record of 16 to 92 bytes that holds only what the scene \
+         needs. With all 92, pQuake3 would take 166 bytes a triangle; what else the paper's 362 are, it does \
+         not say. Its 156 of the Cruiser are near ours.",
+    ),
+    (
+        "The kd-tree is another.",
+        "Ours is built by the surface area heuristic; the paper says that its own was not the best (§4), and \
+         a worse tree reads more nodes, lists and triangles a ray.",
+    ),
+    (
+        "Mip maps are assumed.",
+        "The paper names no filter. With mip maps pQuake3 reads about as much as the paper's rows with textures do, \
+         without them ten times that (SPEC.md has the measurement). Table 1 counts images without the coarser \
+         levels, which are a third more.",
+    ),
+    (
+        "Some choices are ours.",
+        "The paper names neither the picture's size, nor the replacement policy, nor how often the upper \
+         address bits are folded in: 1024 × 768, LRU and one fold are assumed. Nor does it name the \
+         chip's latencies, its first-level lines or the memory's banks; SPEC.md says which of Table 2's \
+         relations hang on them.",
+    ),
+];
+
+/// The tables of a section, with their captions.
+type Captioned = Vec<(String, Table)>;
+
+/// The tables of the report by sections of the page: metadata, scenes, walks, chip.
+pub fn tables(report: &Report) -> [Captioned; 4] {
+    let table2 = table2::tables(&report.table2).into_iter().chain([(
+        "Table 2's hot spots with other lines, fewer ways and without hash (version A)".to_owned(),
+        table2::variation_table(&report.variations),
+    )]);
+    [
+        vec![("Metadata of 16 MB (§3)".to_owned(), metadata::table(&report.metadata))],
+        vec![
+            ("Table 1: the scenes, ours beside the paper's".to_owned(), table1::beside(&report.table1)),
+            (
+                "Bytes a triangle, ours by region of the image".to_owned(),
+                table1::bytes_a_triangle(&report.table1),
+            ),
+        ],
+        vec![(
+            format!("Figure 3: hot spots of the walks ({})", how(report)),
+            figure3::extremes(&report.figure3),
+        )],
+        table2.collect(),
+    ]
+}
+
+/// How the walks were made.
+fn how(report: &Report) -> String {
+    let (width, height) = report.resolution;
+    let frames = if report.extent == Extent::All { "all frames" } else { "some frames" };
+    format!("{width} × {height} pixels, {frames}")
+}
+
+/// The page.
+pub fn html(report: &Report) -> String {
+    let [metadata, scenes, hot_spots, chip] = tables(report).map(|tables| {
+        let element = |(caption, table): (String, Table)| {
+            format!("<div class=\"scroll\">{}</div>\n", table.to_html(&caption))
+        };
+        tables.into_iter().map(element).collect::<String>()
+    });
+    let mut verdicts = String::new();
+    for Verdict { claim, verdict, numbers } in &report.verdicts {
+        let numbers: Vec<_> = numbers.iter().map(|number| escaped(number)).collect();
+        let (claim, numbers) = (escaped(claim), numbers.join("<br>"));
+        let _ = writeln!(verdicts, "<dt>{claim}: <em>{verdict}</em></dt><dd>{numbers}</dd>");
+    }
+    let mut graphs = String::new();
+    for graph in &report.figure3 {
+        let frames = match graph.step {
+            1 => format!("all {} frames", graph.path_frames),
+            step => format!("one in {step} of {} frames", graph.path_frames),
+        };
+        let _ = write!(
+            graphs,
+            "<figure>\n<div class=\"scroll\">{}</div>\n<figcaption>{}, {} of on-board memory, {frames} \
+             (<a href=\"figure3-{1}.csv\">CSV</a>, <a href=\"figure3-{1}.svg\">SVG</a>)</figcaption>\n</figure>\n",
+            plot::svg(graph),
+            escaped(&graph.name),
+            graph.memory(),
+        );
+    }
+    let note = match report.extent {
+        Extent::Quick => QUICK_NOTE,
+        Extent::Some => SOME_NOTE,
+        Extent::All => "",
+    };
+    let mut differences = String::new();
+    for (what, why) in DIFFERENCES {
+        let _ = writeln!(differences, "<dt>{what}</dt><dd>{why}</dd>");
+    }
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n\
+         <title>SaarCOR virtual memory: the paper's figures</title>\n<style>{STYLE}</style>\n</head>\n\
+         <body>\n<main>\n<h1>The paper's figures, ours beside theirs</h1>\n\
+         <p>Schmittler, Leidinger, Slusallek: <cite>A Virtual Memory Architecture for Real-Time Ray Tracing \
+         Hardware</cite> (2003). MB is 2<sup>20</sup> bytes.</p>\n{note}\
+         <h2>Metadata</h2>\n{metadata}\
+         <h2>Scenes</h2>\n{scenes}\
+         <h2>Walks</h2>\n<p>Step one of §4: a sequential ray tracer with the virtual memory and without \
+         first-level caches. The working set is the distinct lines that a frame touches; transferred is what \
+         it loads from the host; a collision is the load of a line that lay in the on-board memory earlier in \
+         the same frame. The on-board memory stays warm from frame to frame.</p>\n\
+         {graphs}{hot_spots}\
+         <h2>Chip</h2>\n<p>Step two of §4: the hot spots on the whole chip, cycle by cycle, after one frame that \
+         warms the caches. PCI is what a frame loads from the host, Mem what moves between the chip and the \
+         on-board memory.</p>\n{chip}\
+         <h2>What the paper claims</h2>\n<dl>\n{verdicts}</dl>\n\
+         <h2>What differs, and why</h2>\n<dl>\n{differences}</dl>\n</main>\n</body>\n</html>\n"
+    )
+}
+
+const QUICK_NOTE: &str = "<p class=\"note\"><strong>Quick form.</strong> The pictures are small, and the walks \
+    skip frames. Fewer rays touch fewer lines and share less of what they read, so working sets are smaller and \
+    more is read a ray than at full size; and from one frame shown to the next the camera moves further, so more \
+    is transferred a frame than in a walk of all frames. Run without <code>--quick</code> for the paper's \
+    measurement.</p>\n";
+
+const SOME_NOTE: &str = "<p class=\"note\"><strong>Some frames.</strong> The walks skip frames. From one frame \
+    shown to the next the camera moves further, so more is transferred a frame than in a walk of all frames; run \
+    with <code>--all-frames</code> for that.</p>\n";
+
+#[cfg(test)]
+mod tests {
+    use super::super::figure3::Graph;
+    use super::super::table1::SceneRow;
+    use super::super::table2::{Stand, hot_spots};
+    use super::super::verdicts::judge;
+    use super::*;
+    use crate::progress::Progress;
+    use crate::walk::{PacketSize, TraceOptions};
+    use crate::world::{World, WorldOptions};
+
+    /// A report of which each row and each graph is about one small room.
+    fn report() -> Report {
+        let room = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/room/room.obj");
+        let quiet = Progress::new(true);
+        let world = World::open(&WorldOptions::new(room), &quiet).expect("a scene");
+        let resolution = (32, 24);
+        let trace = TraceOptions { resolution, packet: PacketSize::Rays64, max_bounces: 1 };
+        let mut runs = (Vec::new(), Vec::new());
+        let stand = Stand { scene: "room", real: false, of: "Conference" };
+        hot_spots(stand, &world, &trace, &quiet, &mut runs).expect("chips");
+        let (table2, variations) = runs;
+        let mut report = Report {
+            extent: Extent::Quick,
+            resolution,
+            metadata: metadata::examples(),
+            table1: vec![SceneRow::new(&saarcor_oracles::paper::table1()[0], &world)],
+            figure3: vec![Graph::new("room", "Conference", &world, 2, &trace, &quiet).expect("a walk")],
+            table2,
+            variations,
+            verdicts: Vec::new(),
+        };
+        report.verdicts = judge(&report);
+        report
+    }
+
+    #[test]
+    fn page_needs_no_other_file() {
+        let html = html(&report());
+        for element in ["html", "body", "table", "figure", "svg", "dl", "style", "title", "p"] {
+            let begins =
+                html.matches(&format!("<{element}>")).count() + html.matches(&format!("<{element} ")).count();
+            assert_eq!(begins, html.matches(&format!("</{element}>")).count(), "{element}");
+        }
+        assert!(html.contains("<svg role=\"img\" aria-labelledby="));
+        assert!(
+            !html.contains("src=")
+                && !html.contains("@import")
+                && html.matches("url(").count() == html.matches("url(#").count()
+        );
+        let namespace = "http://www.w3.org/2000/svg";
+        assert_eq!(html.matches("http").count(), html.matches(namespace).count());
+    }
+
+    #[test]
+    fn quick_form_says_what_it_leaves_out() {
+        let mut report = report();
+        let page = html(&report);
+        assert!(page.contains("Quick form.") && page.contains("one in 2 of 3 frames"), "{page}");
+        report.extent = Extent::Some;
+        let page = html(&report);
+        assert!(!page.contains("Quick form.") && page.contains("Some frames."));
+        report.extent = Extent::All;
+        assert!(!html(&report).contains("class=\"note\""));
+    }
+
+    #[test]
+    fn each_row_and_claim_is_shown() {
+        let report = report();
+        assert_eq!((report.table2.len(), report.variations.len(), report.verdicts.len()), (2, 12, 11));
+        let page = html(&report);
+        for verdict in &report.verdicts {
+            assert!(page.contains(&escaped(&verdict.claim)));
+            assert!(verdict.numbers.iter().all(|number| page.contains(&escaped(number))));
+        }
+        assert!(page.contains("room 1") && page.contains("room 2"));
+    }
+
+    #[test]
+    fn graphs_have_a_row_a_frame() {
+        let graph = &report().figure3[0];
+        assert_eq!(graph.frames.iter().map(|row| row.frame).collect::<Vec<_>>(), [0, 2]);
+        let csv = graph.csv();
+        assert!(csv.starts_with("frame,primary_rays,") && csv.ends_with('\n'));
+        let commas = |line: &str| line.matches(',').count();
+        assert_eq!(csv.lines().map(commas).collect::<Vec<_>>(), [11; 3]);
+        assert!(csv.lines().nth(2).is_some_and(|row| row.starts_with("2,768,")));
+    }
+}

@@ -1,0 +1,55 @@
+//! A graph of Figure 3 as SVG.
+
+use super::figure3::Graph;
+use crate::plot::{accessible, theme};
+use crate::table::mb;
+use crate::walk::FrameRow;
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::{LegendPosition, LinePlot, LineStyle};
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use kuva::render::render::render_multiple;
+use saarcor_oracles::paper::MB;
+
+/// What is drawn a frame, in MB: name, colour, style, bytes. The colours stand out from white and
+/// from black alike, and the styles tell the lines apart without them.
+type Series = (&'static str, &'static str, LineStyle, fn(&FrameRow, u64) -> u64);
+
+const SERIES: [Series; 3] = [
+    ("working set", "#2f7fc1", LineStyle::Solid, |row, _| row.working_set_bytes),
+    ("transferred", "#c8641b", LineStyle::Solid, |row, _| row.loaded_bytes),
+    ("of these, collisions", "#9a5fc0", LineStyle::Dotted, |row, line| row.collisions * line),
+];
+
+/// The graph: MB of each frame.
+pub fn svg(graph: &Graph) -> String {
+    let line = crate::standard::line().0;
+    let plots: Vec<Plot> = SERIES.into_iter().map(|series| curve(graph, series, line)).collect();
+    let layout = Layout::auto_from_plots(&plots)
+        .with_width(760.0)
+        .with_height(320.0)
+        .with_x_label("frame")
+        .with_y_label("MB a frame")
+        .with_y_axis_min(0.0)
+        .with_x_axis_min(0.0)
+        .with_legend_position(LegendPosition::OutsideBottomColumns)
+        .with_grid_line_width(0.4)
+        .with_legend_box(false)
+        .with_theme(theme());
+    let scene = render_multiple(plots, layout);
+    let peak = graph.frames.iter().map(|row| row.working_set_bytes).max().unwrap_or(0);
+    let title = format!("{} with {} MB of on-board memory", graph.name, graph.memory_bytes / MB);
+    let description = format!(
+        "Working set, memory transferred and collisions of each frame. The largest working set is {} MB.",
+        mb(peak)
+    );
+    let drawn = SvgBackend::new().render_scene(&scene);
+    accessible(&drawn, &graph.name, &title, &description, (scene.width, scene.height))
+}
+
+fn curve(graph: &Graph, (name, colour, style, bytes): Series, line: u64) -> Plot {
+    let point = |row: &FrameRow| (row.frame as f64, bytes(row, line) as f64 / MB as f64);
+    let points: Vec<(f64, f64)> = graph.frames.iter().map(point).collect();
+    let plot = LinePlot::new().with_data(points).with_color(colour).with_line_style(style);
+    Plot::Line(plot.with_stroke_width(1.2).with_legend(name))
+}

@@ -1,0 +1,345 @@
+//! Table 2 (§4): hot spots on the chip without virtual memory, with version A and with version B,
+//! ours beside the paper's.
+
+use crate::progress::Progress;
+use crate::simulate::{PacketOrder, Row, record, record_before};
+use crate::standard;
+use crate::table::{Column, Table};
+use crate::walk::TraceOptions;
+use crate::world::World;
+use anyhow::Result;
+use rayon::prelude::*;
+use saarcor_model::time::{ChipConfig, PciConfig, Version, simulate};
+use saarcor_model::vm::{Bytes, Geometry, Hash};
+use saarcor_oracles::paper::{self, MB, Table2Row, VirtualRun};
+use serde::Serialize;
+
+/// Frames before a hot spot that warm the caches.
+const WARM_UP: usize = 1;
+
+/// A frame on the chip in all versions.
+#[derive(Clone, Debug, Serialize)]
+pub struct HotSpot {
+    /// Our scene.
+    pub scene: String,
+    /// Whether it is one of the real scenes.
+    pub real: bool,
+    /// Number of the frame in our path.
+    pub frame: usize,
+    /// The paper's row.
+    pub paper: Table2Row,
+    /// Without virtual memory.
+    pub no_vm: Row,
+    /// With metadata on the chip.
+    pub version_a: Row,
+    /// With metadata in the on-board memory.
+    pub version_b: Row,
+    /// Version A on the faster bus.
+    pub version_a_fast_pci: Row,
+}
+
+/// A hot spot on a chip that differs from version A in one respect.
+#[derive(Clone, Debug, Serialize)]
+pub struct Variation {
+    /// The scene.
+    pub scene: String,
+    /// Size of a line.
+    pub line_bytes: u64,
+    /// Lines a set.
+    pub ways: u32,
+    /// Whether the upper bits of an address are added to the lower ones.
+    pub hashed: bool,
+    /// Metadata of all lines.
+    pub metadata_bytes: u64,
+    /// What it took.
+    pub run: Row,
+}
+
+/// Which of our scenes stands in a row of the paper.
+#[derive(Clone, Copy, Debug)]
+pub struct Stand<'a> {
+    /// Our scene, as it is printed.
+    pub scene: &'a str,
+    /// Whether it is one of the real scenes.
+    pub real: bool,
+    /// The paper's scene in whose place it stands.
+    pub of: &'a str,
+}
+
+/// Frames of our walk through Sodahall in the place of the paper's letters, by `walk`: where the
+/// working set is largest, where it is largest again at the walk's end, and where most is loaded.
+const SODAHALL: [(&str, usize); 3] = [("a", 142), ("b", 580), ("c", 89)];
+
+/// Number of the paper's frame in our path: a number is one; a letter is a frame of Sodahall's walk,
+/// or one of the stills that follow the one through the conference room.
+fn frame_number(paper: &Table2Row, path: usize) -> usize {
+    let hot_spot =
+        || SODAHALL.iter().find(|(letter, _)| (*letter, &*paper.scene) == (&paper.frame, "Sodahall"));
+    let still = || path - usize::from(b'c' - paper.frame.as_bytes()[0]);
+    paper.frame.parse().unwrap_or_else(|_| hot_spot().map_or_else(still, |&(_, frame)| frame))
+}
+
+/// Simulates the rows of Table 2 in which a scene stands, and for some the variations of the
+/// virtual memory of which §3 speaks.
+///
+/// # Errors
+/// If the standard sizes make no chip.
+pub fn hot_spots(
+    stand: Stand<'_>,
+    world: &World,
+    trace: &TraceOptions,
+    progress: &Progress,
+    runs: &mut (Vec<HotSpot>, Vec<Variation>),
+) -> Result<()> {
+    for (place, paper) in paper::table2().iter().filter(|row| row.scene == stand.of).enumerate() {
+        let frame = frame_number(paper, world.path.len());
+        let what = format!("{} for {}, {}", stand.scene, stand.of, paper.frame);
+        let order = PacketOrder::default();
+        let (before, recording) = progress.during(&format!("{what}: trace"), |_| {
+            let before = record_before(world, frame, WARM_UP, trace, order, &|_| ());
+            (before, record(world, frame, trace, order))
+        });
+        let rays = recording.picture.rays.total();
+        let chip = |version| standard::chip(stand.of, version);
+        let mut configs = vec![chip(Version::None)?, chip(Version::A)?, chip(Version::B)?];
+        configs.push(ChipConfig { pci: PciConfig::BITS_64_AT_66_MHZ, ..chip(Version::A)? });
+        // One scene of each kind that has reason to differ: with shadow rays, and with textures.
+        let varied = if place == 0 && ["Conference", "pQuake3"].contains(&stand.of) {
+            variations(&chip(Version::A)?)?
+        } else {
+            Vec::new()
+        };
+        configs.extend(&varied);
+        let played = progress.during(&format!("{what}: chip"), |_| {
+            configs
+                .par_iter()
+                .map(|config| {
+                    let report = simulate(&before, &recording.programs, config)?;
+                    Ok(Row::new(stand.scene, frame, rays, config, &report))
+                })
+                .collect::<Result<Vec<Row>>>()
+        })?;
+        let mut played = played.into_iter();
+        let [Some(no_vm), Some(version_a), Some(version_b), Some(version_a_fast_pci)] =
+            std::array::from_fn(|_| played.next())
+        else {
+            unreachable!("a run a chip")
+        };
+        runs.0.push(HotSpot {
+            scene: stand.scene.to_owned(),
+            real: stand.real,
+            frame,
+            paper: paper.clone(),
+            no_vm,
+            version_a,
+            version_b,
+            version_a_fast_pci,
+        });
+        runs.1.extend(played.zip(varied).map(|(run, config)| {
+            let geometry = config.cache.geometry;
+            Variation {
+                scene: stand.scene.to_owned(),
+                line_bytes: geometry.line().0,
+                ways: geometry.ways(),
+                hashed: config.cache.hash != Hash::Low,
+                metadata_bytes: geometry.metadata().0,
+                run,
+            }
+        }));
+    }
+    Ok(())
+}
+
+/// Sizes of lines that are compared.
+const LINES: [u64; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
+
+/// The chip with other lines, and with fewer ways and without hash.
+fn variations(standard: &ChipConfig) -> Result<Vec<ChipConfig>> {
+    let memory = standard.cache.geometry.memory();
+    let with = |line: u64, ways: u32, hash: Hash| -> Result<ChipConfig> {
+        let mut config = *standard;
+        config.cache.geometry = Geometry::new(memory, Bytes(line), ways)?;
+        config.cache.hash = hash;
+        Ok(config)
+    };
+    let lines = LINES.into_iter().map(|line| with(line, standard::ways(), Hash::default()));
+    let sets = [1, 2, 4].into_iter().flat_map(|ways| {
+        [Hash::Low, Hash::AddUpper]
+            .into_iter()
+            .filter(move |&hash| (ways, hash) != (standard::ways(), Hash::default()))
+            .map(move |hash| with(standard::line().0, ways, hash))
+    });
+    lines.chain(sets).collect()
+}
+
+fn in_mb(bytes: u64) -> f64 {
+    bytes as f64 / MB as f64
+}
+
+/// The four relations within a row that tell more than its digits.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Shape {
+    /// fps(A) / fps(no VM).
+    pub speed_a: f64,
+    /// fps(B) / fps(no VM).
+    pub speed_b: f64,
+    /// Mem(B) / Mem(A).
+    pub memory_b: f64,
+    /// (Mem(A) − Mem(no VM)) / PCI(A): bytes that reach the on-board memory for each byte loaded.
+    pub filled: f64,
+}
+
+impl Shape {
+    fn new(fps: [f64; 3], [no_vm, a, b]: [f64; 3], pci: f64) -> Self {
+        Self {
+            speed_a: fps[1] / fps[0],
+            speed_b: fps[2] / fps[0],
+            memory_b: b / a,
+            filled: (a - no_vm) / pci,
+        }
+    }
+
+    /// Of the paper's row.
+    #[must_use]
+    pub fn printed(row: &Table2Row) -> Self {
+        let Table2Row { no_vm, version_a: a, version_b: b, .. } = row;
+        Self::new([no_vm.fps, a.fps, b.fps], [no_vm.mem_mb, a.mem_mb, b.mem_mb], a.pci_mb)
+    }
+
+    /// Of ours.
+    #[must_use]
+    pub fn ours(spot: &HotSpot) -> Self {
+        let HotSpot { no_vm, version_a: a, version_b: b, .. } = spot;
+        let mem = [no_vm, a, b].map(|run| in_mb(run.mem_bytes));
+        Self::new([no_vm.fps, a.fps, b.fps], mem, in_mb(a.pci_bytes))
+    }
+}
+
+/// A ratio for a reader; nothing, where a number is divided by nothing.
+fn ratio(value: f64) -> String {
+    if value.is_finite() { format!("{value:.2}") } else { "–".to_owned() }
+}
+
+/// Columns that name a row.
+fn names() -> impl Iterator<Item = Column> {
+    ["scene", "frame", "ours"].map(Column::text).into_iter()
+}
+
+fn name(spot: &HotSpot) -> impl Iterator<Item = String> {
+    let HotSpot { scene, frame, paper, .. } = spot;
+    [paper.scene.clone(), paper.frame.clone(), format!("{scene} {frame}")].into_iter()
+}
+
+/// Ours, the paper's, and their ratio.
+fn beside(ours: f64, paper: f64, digits: usize) -> [String; 3] {
+    [format!("{ours:.digits$}"), format!("{paper:.digits$}"), ratio(ours / paper)]
+}
+
+/// Table 2, a table a version, and the relations within the rows.
+#[must_use]
+pub fn tables(spots: &[HotSpot]) -> Vec<(String, Table)> {
+    let figure = |name: &str| [name, "paper", "ratio"].map(Column::number);
+    let table = |figures: &[&str]| Table::new(names().chain(figures.iter().flat_map(|name| figure(name))));
+    let mut no_vm = Table::new(
+        names().chain(figure("fps")).chain(figure("Mem MB")).chain([Column::number("cycles a ray")]),
+    );
+    let (mut a, mut b) = (table(&["fps", "PCI MB", "Mem MB"]), table(&["fps", "PCI MB", "Mem MB"]));
+    for spot in spots {
+        let Table2Row { no_vm: paper, version_a, version_b, .. } = &spot.paper;
+        let run = &spot.no_vm;
+        let cells = beside(run.fps, paper.fps, 1)
+            .into_iter()
+            .chain(beside(in_mb(run.mem_bytes), paper.mem_mb, 1))
+            .chain([format!("{:.1}", run.cycles_a_ray)]);
+        no_vm.row(name(spot).chain(cells));
+        let with_vm = |table: &mut Table, run: &Row, paper: &VirtualRun| {
+            let cells = beside(run.fps, paper.fps, 1)
+                .into_iter()
+                .chain(beside(in_mb(run.pci_bytes), paper.pci_mb, 2))
+                .chain(beside(in_mb(run.mem_bytes), paper.mem_mb, 1));
+            table.row(name(spot).chain(cells));
+        };
+        with_vm(&mut a, &spot.version_a, version_a);
+        with_vm(&mut b, &spot.version_b, version_b);
+    }
+    vec![
+        ("Table 2: hot spots without virtual memory".to_owned(), no_vm),
+        ("Table 2: version A, metadata on the chip".to_owned(), a),
+        ("Table 2: version B, metadata in the on-board memory".to_owned(), b),
+        ("Table 2: relations within its rows".to_owned(), shapes(spots)),
+    ]
+}
+
+/// The relations, ours and the paper's.
+fn shapes(spots: &[HotSpot]) -> Table {
+    let relations = ["A / no VM", "B / no VM", "Mem B / A", "(Mem A - no VM) / PCI"];
+    let columns = relations.iter().flat_map(|name| [*name, "paper"]).map(Column::number);
+    let mut table = Table::new(names().chain(columns));
+    for spot in spots {
+        let (ours, paper) = (Shape::ours(spot), Shape::printed(&spot.paper));
+        let pairs = [
+            (ours.speed_a, paper.speed_a),
+            (ours.speed_b, paper.speed_b),
+            (ours.memory_b, paper.memory_b),
+            (ours.filled, paper.filled),
+        ];
+        table.row(name(spot).chain(pairs.into_iter().flat_map(|(ours, paper)| [ratio(ours), ratio(paper)])));
+    }
+    table
+}
+
+/// The hot spots on chips that differ from version A in the virtual memory.
+#[must_use]
+pub fn variation_table(variations: &[Variation]) -> Table {
+    let names = ["scene", "line", "ways", "hash"].map(Column::text).into_iter();
+    let numbers = ["fps", "loaded MB", "Mem MB", "metadata KB"].map(Column::number);
+    let mut table = Table::new(names.chain(numbers));
+    for Variation { scene, line_bytes, ways, hashed, metadata_bytes, run } in variations {
+        let hash = if *hashed { "yes" } else { "no" };
+        table.row([
+            format!("{scene} {}", run.frame),
+            line_bytes.to_string(),
+            ways.to_string(),
+            hash.to_owned(),
+            format!("{:.1}", run.fps),
+            format!("{:.2}", in_mb(run.pci_bytes)),
+            format!("{:.2}", in_mb(run.mem_bytes)),
+            format!("{:.0}", *metadata_bytes as f64 / 1024.0),
+        ]);
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn letters_are_hot_spots_of_ours() {
+        let numbers = |scene: &str, path| -> Vec<usize> {
+            let rows = paper::table2().iter().filter(|row| row.scene == scene);
+            rows.map(|row| frame_number(row, path)).collect()
+        };
+        assert_eq!(numbers("Conference-8l", 402), [400, 401]);
+        assert_eq!(numbers("Sodahall", 600), [142, 580, 89]);
+        assert_eq!(numbers("pQuake3", 1200), [150, 556, 1046]);
+    }
+
+    #[test]
+    fn relations_of_the_paper_are_those_of_its_digits() {
+        let row = paper::table2().iter().find(|row| row.scene == "Conference").expect("a row");
+        let shape = Shape::printed(row);
+        assert!((shape.speed_a - 31.6 / 33.0).abs() < 1e-12 && (shape.speed_b - 29.7 / 33.0).abs() < 1e-12);
+        assert!((shape.memory_b - 25.2 / 19.1).abs() < 1e-12 && (shape.filled - 1.0 / 0.78).abs() < 1e-9);
+    }
+
+    #[test]
+    fn each_way_of_finding_a_line_is_tried_once() {
+        let standard = standard::chip("conference", Version::A).expect("a chip");
+        let tried = variations(&standard).expect("chips");
+        assert_eq!(tried.len(), LINES.len() + 5);
+        for (place, one) in tried.iter().enumerate() {
+            assert!(one.check().is_ok() && !tried[..place].contains(one));
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! The standard configuration: what holds where the user says nothing.
+
+use anyhow::Result;
+use saarcor_model::rays::Pipeline;
+use saarcor_model::time::{CHIP_CACHE_WAYS, ChipConfig, Version};
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy, Unit};
+use saarcor_oracles::paper;
+
+/// Size of a picture in pixels (Assumed: the paper names none).
+pub const RESOLUTION: (u32, u32) = (1024, 768);
+
+/// Reflections and refractions that may follow one another.
+pub const MAX_BOUNCES: u32 = Pipeline::<1>::STANDARD_BOUNCES;
+
+/// On-board memory of a scene that is none of the paper's: the least that Table 2 uses (Assumed).
+const MEMORY: Bytes = Bytes(8 << 20);
+
+/// On-board memory for a scene: for a built-in scene that of Table 2's caption.
+#[must_use]
+pub fn memory(scene: &str) -> Bytes {
+    let family = paper::family(scene);
+    let stated = &paper::stated().l2.memory_bytes;
+    stated.iter().find(|(name, _)| name.eq_ignore_ascii_case(family)).map_or(MEMORY, |(_, &n)| Bytes(n))
+}
+
+/// Size of a line (§3, Stated: found best).
+#[must_use]
+pub fn line() -> Bytes {
+    Bytes(paper::stated().l2.line_bytes)
+}
+
+/// Ways of a set (§3, Stated).
+#[must_use]
+pub fn ways() -> u32 {
+    paper::stated().l2.ways
+}
+
+/// The triangle cache for a scene: the larger one for the Cruiser (§4, Stated).
+#[must_use]
+pub fn triangle_cache(scene: &str) -> Bytes {
+    let l1 = &paper::stated().l1;
+    let cruiser = paper::family(scene).eq_ignore_ascii_case("cruiser");
+    Bytes(if cruiser { l1.triangle_bytes_of_cruiser } else { l1.triangle_bytes })
+}
+
+/// The virtual memory for a scene.
+///
+/// # Errors
+/// If the standard sizes do not make a cache.
+pub fn cache(scene: &str) -> Result<CacheConfig> {
+    let geometry = Geometry::new(memory(scene), line(), ways())?;
+    Ok(CacheConfig { geometry, hash: Hash::default(), policy: Policy::default() })
+}
+
+/// The chip for a scene.
+///
+/// # Errors
+/// If the standard sizes make none.
+pub fn chip(scene: &str, version: Version) -> Result<ChipConfig> {
+    let mut config = ChipConfig::standard(version, cache(scene)?);
+    let triangles = &mut config.l1[Unit::Intersection as usize];
+    triangles.sets = u32::try_from(triangle_cache(scene).0)? / triangles.line / CHIP_CACHE_WAYS as u32;
+    config.check()?;
+    Ok(config)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn built_in_scenes_have_the_memory_of_table_2() {
+        let mib = |scene| memory(scene).0 >> 20;
+        assert_eq!(["pquake3-nl", "sodahall", "conference-8l", "cruiser"].map(mib), [8, 8, 32, 64]);
+        assert_eq!(mib("folder/level.obj"), 8);
+    }
+
+    #[test]
+    fn only_the_cruiser_has_the_larger_triangle_cache() {
+        let kib = |scene| {
+            let chip = chip(scene, Version::B).expect("a chip");
+            chip.l1_bytes(Unit::Intersection as usize) >> 10
+        };
+        assert_eq!(["pquake3", "sodahall", "conference", "cruiser"].map(kib), [144, 144, 144, 576]);
+    }
+}

@@ -1,0 +1,254 @@
+//! `saarcor accuracy`.
+
+use super::simulator::SimulatorArgs;
+use crate::accuracy::contest::{Contestant, Format};
+use crate::accuracy::front::{standings, svg, table};
+use crate::accuracy::measure::{Extent, Row, measure};
+use crate::accuracy::replay::{lines, read, worst};
+use crate::accuracy::scene::{self, Budget};
+use crate::accuracy::suites::{SUITES, Suite, offset_faults};
+use crate::args::{KERNELS, choice};
+use crate::output::{OutFile, Stdout, json_line};
+use crate::progress::Progress;
+use crate::table::{Column, Table};
+use crate::world::{World, WorldOptions};
+use anyhow::{Context, Result, ensure};
+use saarcor_model::rays::Kernel;
+use std::path::PathBuf;
+
+/// Cases of a suite, in full and for a quick look.
+const FULL: u64 = 1_000_000;
+const QUICK: u64 = 10_000;
+
+/// Most cases of a suite: its errors are kept, four bytes a case and contestant.
+const MOST: u64 = 100_000_000;
+
+/// Runs of which the fastest counts: the first warms the caches.
+const REPEATS: u32 = 2;
+
+/// Speed against error of triangle tests and number formats, on hard cases, judged exactly
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Only this triangle test; several may be named
+    #[arg(long, value_parser = choice(KERNELS))]
+    kernel: Vec<Kernel>,
+    /// Only this number format; several may be named
+    #[arg(long, value_parser = choice(Format::NAMES))]
+    format: Vec<Format>,
+    /// Only this suite of cases; several may be named
+    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(SUITES.map(|suite| suite.name)))]
+    suite: Vec<String>,
+    /// Cases a suite
+    #[arg(long, value_name = "N", default_value_t = FULL)]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=MOST))]
+    cases: u64,
+    /// 10000 cases a suite: under a minute
+    #[arg(long, conflicts_with = "cases")]
+    quick: bool,
+    /// Other cases of the same suites
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// A folder for the rows, the graph of speed against error and the worst cases
+    #[arg(short, long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Cases that '--out' wrote, to be looked at one by one
+    #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["suite", "cases", "quick", "out", "json"])]
+    replay: Option<PathBuf>,
+    /// Instead of the suites, primary rays of this scene: what does it need?
+    #[arg(long, value_name = "SCENE", requires = "budget", conflicts_with_all = ["suite", "out", "replay"])]
+    scene: Option<String>,
+    /// Error that is allowed on the scene's rays: wrong answers in a million, and ulps that 99.9 % of
+    /// the distances may be off
+    #[arg(long, value_name = "WRONG[,ULP]", requires = "scene")]
+    budget: Option<Budget>,
+    #[command(flatten)]
+    simulator: SimulatorArgs,
+    /// Prints the rows as lines of JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Args {
+    /// Measures and prints what was asked for.
+    pub fn run(self, progress: &Progress) -> Result<()> {
+        if self.simulator.simulator {
+            return self.simulator.run(self.json, progress);
+        }
+        let contestants = self.contestants()?;
+        if let Some(file) = &self.replay {
+            return replay(file, &contestants);
+        }
+        let cases = if self.quick { QUICK } else { self.cases };
+        if let Some((scene, budget)) = self.scene.as_deref().zip(self.budget) {
+            return self.needs(scene, budget, &contestants, cases, progress);
+        }
+        let files = self.out.as_deref().map(Files::check).transpose()?;
+        let extent = Extent { seed: self.seed, cases, repeats: REPEATS };
+        let suites: Vec<&Suite> = SUITES.iter().filter(|suite| self.asks_for(suite)).collect();
+        let mut rows = Vec::new();
+        let mut out = Stdout::new();
+        for suite in &suites {
+            let suite_rows = progress.during(&format!("{}: {cases} cases", suite.name), |report| {
+                measure(suite, &contestants, extent, report)
+            });
+            if self.json {
+                suite_rows.iter().try_for_each(|row| json_line(&mut out, row))?;
+                out.flush()?;
+            } else {
+                out.line(format_args!("{}: {}", suite.name, suite.idea))?;
+                out.line(rows_table(&suite_rows))?;
+                out.line("")?;
+                out.flush()?;
+            }
+            rows.extend(suite_rows);
+        }
+        let standings = standings(&rows);
+        if !self.json {
+            out.line("all suites: median time, all wrong answers")?;
+            out.line(table(&standings))?;
+            if suites.iter().any(|suite| suite.name == "shadow") {
+                let faults = offset_faults(self.seed, cases);
+                out.line("")?;
+                out.line(format_args!(
+                    "rule for rays from surfaces (RG-3), exactly: {} of {} hit their own surface (without the offset {}), \
+                     {} pass a wall that they start beside",
+                    faults.self_hits, faults.rays, faults.self_hits_without, faults.gaps
+                ))?;
+            }
+        }
+        if let Some(files) = files {
+            files.write(&rows, &suites, self.seed, &svg(&standings))?;
+        }
+        out.finish()
+    }
+
+    /// The cheapest contestant that stays inside the budget on a scene's rays.
+    fn needs(
+        &self,
+        scene: &str,
+        budget: Budget,
+        contestants: &[Contestant],
+        rays: u64,
+        progress: &Progress,
+    ) -> Result<()> {
+        let options = WorldOptions { kernel: scene::KERNEL, ..WorldOptions::new(scene) };
+        let world = World::open(&options, progress)?;
+        let rows = progress.during(&format!("{scene}: {rays} rays"), |_| {
+            let cases = scene::cases(&world, rays, self.seed)?;
+            anyhow::Ok(scene::rows(&cases, contestants, REPEATS))
+        })?;
+        let mut out = Stdout::new();
+        if self.json {
+            rows.iter().try_for_each(|row| json_line(&mut out, row))?;
+            return out.finish();
+        }
+        out.line(format_args!(
+            "{scene}: {rays} primary rays, the cheapest first: fewest bits, then least time"
+        ))?;
+        out.line(rows_table(&rows))?;
+        let name = |row: &Row| format!("{} {}", row.kernel, row.format);
+        match rows.iter().find(|row| budget.holds(row)) {
+            Some(row) => {
+                let bits = row.contestant().format.bits();
+                // Of those as accurate as can be, the one that costs the least.
+                let exact = rows.iter().filter(|row| row.wrong() == 0);
+                let exact = exact.min_by(|a, b| a.ns_per_test.total_cmp(&b.ns_per_test));
+                let saving = exact.map_or_else(String::new, |exact| {
+                    format!(
+                        ": {bits} bits and {:.1} ns a test, where the fastest without a wrong answer, {}, \
+                         takes {} bits and {:.1} ns",
+                        row.ns_per_test,
+                        name(exact),
+                        exact.contestant().format.bits(),
+                        exact.ns_per_test
+                    )
+                });
+                out.line(format_args!("enough: {}{saving}", name(row)))?;
+            }
+            None => out.line("enough: none of these")?,
+        }
+        out.finish()
+    }
+
+    fn contestants(&self) -> Result<Vec<Contestant>> {
+        let is_asked_for = |it: &Contestant| {
+            (self.kernel.is_empty() || self.kernel.contains(&it.kernel))
+                && (self.format.is_empty() || self.format.contains(&it.format))
+        };
+        let contestants: Vec<_> = Contestant::all().into_iter().filter(is_asked_for).collect();
+        ensure!(!contestants.is_empty(), "the adaptive test has the format f32 alone");
+        Ok(contestants)
+    }
+
+    fn asks_for(&self, suite: &Suite) -> bool {
+        self.suite.is_empty() || self.suite.iter().any(|name| name == suite.name)
+    }
+}
+
+/// The rows of a suite.
+fn rows_table(rows: &[Row]) -> Table {
+    let numbers =
+        ["wrong hits", "misses", "triangles", "leaks", "t ulp mean", "p99.9", "max", "weights max", "ns"];
+    let names = ["kernel", "format"].map(Column::text);
+    let mut table = Table::new(names.into_iter().chain(numbers.map(Column::number)));
+    for row in rows {
+        let short = |number: f64| if number < 1e4 { format!("{number:.3}") } else { format!("{number:.2e}") };
+        table.row([
+            row.kernel.to_owned(),
+            row.format.to_owned(),
+            row.wrong_hit.to_string(),
+            row.wrong_miss.to_string(),
+            row.wrong_triangle.to_string(),
+            row.leaks.to_string(),
+            short(row.t_ulp_mean),
+            short(row.t_ulp_p999),
+            short(row.t_ulp_max),
+            format!("{:.1e}", row.weight_error_max),
+            format!("{:.1}", row.ns_per_test),
+        ]);
+    }
+    table
+}
+
+/// What is written to a folder.
+struct Files {
+    rows: OutFile,
+    graph: OutFile,
+    worst: OutFile,
+}
+
+impl Files {
+    fn check(folder: &std::path::Path) -> Result<Self> {
+        std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
+        let file = |name: &str| OutFile::check(&folder.join(name));
+        Ok(Self { rows: file("accuracy.jsonl")?, graph: file("accuracy.svg")?, worst: file("worst.jsonl")? })
+    }
+
+    fn write(&self, rows: &[Row], suites: &[&Suite], seed: u64, graph: &str) -> Result<()> {
+        self.rows.write(|out| {
+            rows.iter().try_for_each(|row| Ok(writeln!(out, "{}", serde_json::to_string(row)?)?))
+        })?;
+        self.graph.write(|out| Ok(out.write_all(graph.as_bytes())?))?;
+        self.worst.write(|out| {
+            for row in rows {
+                let suite = suites.iter().find(|suite| suite.name == row.suite);
+                for record in suite.iter().flat_map(|suite| worst(row, suite, seed)) {
+                    writeln!(out, "{}", serde_json::to_string(&record)?)?;
+                }
+            }
+            Ok(())
+        })
+    }
+}
+
+/// Prints each case of a file, what is true of it, and what the contestants say.
+fn replay(file: &std::path::Path, contestants: &[Contestant]) -> Result<()> {
+    let text =
+        std::fs::read_to_string(file).with_context(|| format!("{}: cannot be read", file.display()))?;
+    let records = read(&text).with_context(|| file.display().to_string())?;
+    let mut out = Stdout::new();
+    for record in records {
+        lines(&record, contestants).iter().try_for_each(|line| out.line(line))?;
+    }
+    out.finish()
+}

@@ -1,0 +1,206 @@
+//! `saarcor simulate`.
+
+use super::auto::AutoArgs;
+use crate::args::{CacheArgs, ChipArgs, SceneArgs, TraceArgs, describe};
+use crate::limits::check_state;
+use crate::output::{OutFile, Stdout, json_line};
+use crate::progress::Progress;
+use crate::sampling::plan::Part;
+use crate::sampling::simulate::{SampledFrame, simulate_sample};
+use crate::simulate::{Recording, Row, record, record_before, version_name};
+use crate::summary::Summary;
+use crate::table::{Column, Table, mb};
+use crate::world::World;
+use anyhow::Result;
+use saarcor_model::time::{ChipConfig, Programs, UNIT_NAMES, Version, simulate};
+use saarcor_model::vm::Bytes;
+use std::path::PathBuf;
+
+/// A frame, and the chip that it is simulated on.
+#[derive(Clone, Debug, clap::Args)]
+pub struct FrameArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Frame of the scene's path
+    #[arg(long, value_name = "N")]
+    pub frame: usize,
+    #[command(flatten)]
+    pub chip: ChipArgs,
+    #[command(flatten)]
+    pub trace: TraceArgs,
+    #[command(flatten)]
+    pub cache: CacheArgs,
+    /// Begins with what the N frames before left in the caches
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub warm_up: usize,
+}
+
+impl FrameArgs {
+    /// The chip.
+    ///
+    /// # Errors
+    /// If the numbers make none.
+    pub fn config(&self) -> Result<ChipConfig> {
+        let cache = self.cache.config(&self.scene.scene)?;
+        let config = self.chip.config(&self.scene.scene, cache)?;
+        config.check()?;
+        Ok(config)
+    }
+
+    /// The scene made ready, with a path that has the frame.
+    ///
+    /// # Errors
+    /// Those of [`World::open`].
+    pub fn world(&self, progress: &Progress) -> Result<World> {
+        World::open(&self.scene.options(Some(self.frame)), progress)
+    }
+
+    /// What the frames before do that warm the caches, and the frame.
+    pub fn record(&self, world: &World, progress: &Progress) -> (Vec<Programs>, Recording) {
+        let (options, order) = (self.trace.options(), self.chip.order);
+        let before = progress.during("trace of the frames before", |report| {
+            record_before(world, self.frame, self.warm_up, &options, order, report)
+        });
+        (before, progress.during("trace", |_| record(world, self.frame, &options, order)))
+    }
+
+    /// The frame, of which a part is worked on in full.
+    fn sampled(&self, part: Part) -> SampledFrame {
+        let (trace, order) = (self.trace.options(), self.chip.order);
+        SampledFrame { frame: self.frame, warm_up: self.warm_up, trace, order, part }
+    }
+}
+
+/// Step two of the paper's §4: a frame on the whole chip, cycle by cycle
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    frame: FrameArgs,
+    #[command(flatten)]
+    auto: AutoArgs,
+    /// The picture, a PNG file
+    #[arg(short, long, value_name = "FILE.png")]
+    out: Option<PathBuf>,
+    /// Works on a part of the packets in full, such as 1/8, and prints estimates with intervals of 95 %
+    #[arg(long, value_name = "F", conflicts_with = "out")]
+    sample: Option<Part>,
+    /// Prints one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+impl Args {
+    /// Simulates, and prints what the frame took.
+    pub fn run(self, progress: &Progress) -> Result<()> {
+        let config = self.frame.config()?;
+        let file = self.out.as_deref().map(OutFile::check).transpose()?;
+        let world = self.auto.open(&self.frame.scene, Some(self.frame.frame), progress)?;
+        check_state(config.cache, Bytes(world.image.bytes.len() as u64))?;
+        let summary = Summary::of(&world);
+        summary.lines().iter().chain([&summary.image_line()]).for_each(|line| progress.say(line));
+        if config.version != Version::None {
+            progress.say(describe(&config.cache));
+        }
+
+        let mut out = Stdout::new();
+        if let Some(part) = self.sample {
+            let row = progress.during("sample", |report| {
+                simulate_sample(&world, &self.frame.sampled(part), &config, report)
+            })?;
+            if self.json {
+                json_line(&mut out, &row)?;
+            } else {
+                let FrameArgs { scene, frame, .. } = &self.frame;
+                let version = version_name(config.version);
+                out.line(format_args!(
+                    "{}, frame {frame}, version {version}: {}",
+                    scene.scene,
+                    row.heading()
+                ))?;
+                out.line(row.table())?;
+            }
+            return out.finish();
+        }
+        let (before, recording) = self.frame.record(&world, progress);
+        let report = progress.during("chip", |_| simulate(&before, &recording.programs, &config))?;
+        if let Some(file) = file {
+            file.write(|out| recording.picture.write_png(out))?;
+        }
+        let FrameArgs { scene, frame, .. } = &self.frame;
+        let row = Row::new(&scene.scene, *frame, recording.picture.rays.total(), &config, &report);
+        if self.json {
+            json_line(&mut out, &row)?;
+        } else {
+            for part in text(&row) {
+                out.line(part)?;
+            }
+        }
+        out.finish()
+    }
+}
+
+fn percent(part: u64, whole: u64) -> String {
+    format!("{:.1}", 100.0 * part as f64 / whole.max(1) as f64)
+}
+
+/// A run for a person to read.
+fn text(row: &Row) -> Vec<String> {
+    let mut units = Table::new(
+        ["unit"].map(Column::text).into_iter().chain(
+            [
+                "busy %",
+                "stalled %",
+                "idle %",
+                "look-up %",
+                "port %",
+                "MSHR %",
+                "memory %",
+                "host %",
+                "rays a packet",
+            ]
+            .map(Column::number),
+        ),
+    );
+    let mut caches = Table::new(
+        ["cache"]
+            .map(Column::text)
+            .into_iter()
+            .chain(["accesses", "hits", "hit rate %", "in flight", "misses"].map(Column::number)),
+    );
+    let mut cache = |name: &str, accesses: u64, hits: u64, merged: u64| {
+        let misses = accesses - hits - merged;
+        let numbers = [accesses.to_string(), hits.to_string(), percent(hits, accesses), merged.to_string()];
+        caches.row([name.to_owned()].into_iter().chain(numbers).chain([misses.to_string()]));
+    };
+    for name in UNIT_NAMES {
+        let (unit, l1) = (&row.units[name], row.l1[name]);
+        let all = unit.busy + unit.stalled + unit.idle;
+        let stalls = ["look_up", "port", "mshr", "memory", "host"].map(|stall| unit.stalls[stall]);
+        let parts = [unit.busy, unit.stalled, unit.idle].into_iter().chain(stalls);
+        let rays = format!("{:.1}", unit.rays as f64 / unit.operations.max(1) as f64);
+        units.row([name.to_owned()].into_iter().chain(parts.map(|part| percent(part, all))).chain([rays]));
+        cache(name, l1.accesses, l1.hits, l1.merged);
+    }
+    if row.variant != "none" {
+        cache("virtual memory", row.l2_accesses, row.l2_hits - row.l2_merged, row.l2_merged);
+    }
+    vec![
+        format!(
+            "{}, frame {}, version {}: {} cycles, {:.1} frames a second",
+            row.scene, row.frame, row.variant, row.cycles, row.fps
+        ),
+        format!("{} rays: {:.1} core cycles a ray and pipeline", row.rays, row.cycles_a_ray),
+        format!("PCI: {} MB, {:.1} % of the time", mb(row.pci_bytes), 100.0 * row.pci_use),
+        format!(
+            "Mem: {} MB, {:.1} % of the peak (L1 fills {}, lines from the host {}, metadata read {}, written back {})",
+            mb(row.mem_bytes),
+            100.0 * row.mem_use,
+            mb(row.mem_bytes_l1_fill),
+            mb(row.mem_bytes_vm_fill),
+            mb(row.mem_bytes_metadata_read),
+            mb(row.mem_bytes_metadata_write_back)
+        ),
+        units.to_string(),
+        caches.to_string(),
+    ]
+}

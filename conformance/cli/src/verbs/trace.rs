@@ -1,0 +1,107 @@
+//! `saarcor trace`.
+
+use crate::args::{CacheArgs, SceneArgs, TraceArgs};
+use crate::output::{OutFile, Stdout};
+use crate::progress::Progress;
+use crate::walk::{WalkOptions, record_frame};
+use crate::world::World;
+use anyhow::Result;
+use clap::{Subcommand, ValueEnum};
+use saarcor_model::vm::HostAddr;
+use std::path::PathBuf;
+
+/// Traces for other people's cache simulators
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    Record(RecordArgs),
+}
+
+/// Writes the accesses of a frame to the virtual memory, a row an access
+#[derive(Debug, clap::Args)]
+struct RecordArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Frame of the scene's path
+    #[arg(long, value_name = "N")]
+    frame: usize,
+    /// Form of the rows
+    #[arg(long, value_enum)]
+    format: Format,
+    /// The trace [default: stdout]
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    trace: TraceArgs,
+    #[command(flatten)]
+    cache: CacheArgs,
+}
+
+/// Form of a trace.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Format {
+    /// Label 0 (a read) and the byte address in hex: `0 1a2b80`
+    Din,
+    /// The byte address in hex, under the header `address`: `0x1a2b80`
+    Csv,
+}
+
+impl Format {
+    fn header(self) -> Option<&'static str> {
+        match self {
+            Self::Din => None,
+            Self::Csv => Some("address"),
+        }
+    }
+
+    fn row(self, HostAddr(addr): HostAddr) -> String {
+        match self {
+            Self::Din => format!("0 {addr:x}"),
+            Self::Csv => format!("{addr:#x}"),
+        }
+    }
+}
+
+impl Args {
+    /// Does what was asked for.
+    pub fn run(self, progress: &Progress) -> Result<()> {
+        match self.verb {
+            Verb::Record(args) => args.run(progress),
+        }
+    }
+}
+
+impl RecordArgs {
+    fn run(self, progress: &Progress) -> Result<()> {
+        let cache = self.cache.config(&self.scene.scene)?;
+        let file = self.out.as_deref().map(OutFile::check).transpose()?;
+        let world = World::open(&self.scene.options(Some(self.frame)), progress)?;
+        let options = WalkOptions { cache, cold: true, trace: self.trace.options() };
+        match file {
+            Some(file) => {
+                file.write(|out| self.record(&world, &options, &mut |row| Ok(writeln!(out, "{row}")?)))
+            }
+            None => {
+                let mut out = Stdout::new();
+                self.record(&world, &options, &mut |row| out.line(row))?;
+                out.finish()
+            }
+        }
+    }
+
+    fn record(
+        &self,
+        world: &World,
+        options: &WalkOptions,
+        line: &mut (dyn FnMut(&str) -> Result<()> + Send),
+    ) -> Result<()> {
+        self.format.header().map_or(Ok(()), &mut *line)?;
+        record_frame(world, self.frame, options, &mut |addr| line(&self.format.row(addr)))?;
+        Ok(())
+    }
+}

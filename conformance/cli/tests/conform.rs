@@ -1,0 +1,242 @@
+//! `saarcor conform`: the walk of the README, the filters, reports, and bad input.
+#![cfg(unix)]
+
+mod common;
+
+use common::{refusal_of, saarcor};
+use std::path::Path;
+use std::process::Output;
+
+/// Runs the binary in a folder.
+fn run_in(folder: &Path, args: &[&str]) -> Output {
+    saarcor(args).current_dir(folder).output().expect("the binary starts")
+}
+
+#[track_caller]
+fn says(output: &Output, status: i32, parts: &[&str]) -> String {
+    let stdout = String::from_utf8(output.stdout.clone()).expect("text");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(status), "{stdout}{stderr}");
+    for part in parts {
+        assert!(stdout.contains(part) || stderr.contains(part), "'{part}' is not in: {stdout}{stderr}");
+    }
+    stdout
+}
+
+/// What each command of the walk says and with which status it ends; all of the README's are here.
+const WALK: &[(&str, i32, &str)] = &[
+    ("saarcor conform new c my-cache", 0, ""),
+    ("saarcor conform run my-cache", 0, "conforms; agrees up to level state"),
+    ("saarcor conform list --faults", 0, "victim-off-by-one"),
+    ("saarcor conform new c faulty --fault victim-off-by-one", 0, ""),
+    ("saarcor conform run faulty --html report.html --junit report.xml", 1, "VM-6"),
+    ("saarcor conform list", 0, "vm/lru-victim"),
+    ("saarcor conform generate vm/lru-victim", 0, "policy=lru"),
+    ("saarcor conform generate vm/random/17 --requests 500 > requests.txt", 0, ""),
+    ("my-cache/cache < requests.txt > answers.txt", 0, ""),
+    (
+        "saarcor conform check vm/random/17 --requests 500 answers.txt",
+        0,
+        "500 answers agree up to level state",
+    ),
+    ("saarcor conform run \"my-cache/cache\" --level data --suite vm/lru-victim", 0, "up to level data"),
+    ("saarcor conform run model --requests 100000", 0, "208  208"),
+    ("saarcor conform run my-cache --library", 0, "conforms; agrees up to level state"),
+    ("saarcor trace record pquake3-nt --frame 150 --format din --resolution 64x48 --out frame.din", 0, ""),
+    ("saarcor conform run my-cache --trace frame.din", 0, "conforms; agrees up to level state"),
+    ("saarcor conform new meta my-tags", 0, ""),
+    ("saarcor conform run my-tags --requests 24000", 0, "agrees up to level metadata"),
+    ("saarcor conform new kd-c my-kd", 0, ""),
+    ("saarcor conform run my-kd --requests 50000", 0, "conforms; agrees up to level traversal"),
+    (
+        "saarcor conform run my-kd --level rays --suite kd/hit-beyond-the-cell",
+        0,
+        "conforms; agrees up to level rays",
+    ),
+    ("saarcor conform generate kd/random/5 --requests 100", 0, "kernel=moller-trumbore"),
+    ("saarcor conform new chip-python my-chip", 0, ""),
+    ("saarcor conform run my-chip --suite chip/units-in-turn", 0, "conforms; agrees up to level timing"),
+    ("saarcor conform generate chip/random/5 --requests 20", 0, "run"),
+    ("saarcor conform new chip-python slow-chip --fault transfers-overlap", 0, ""),
+    ("saarcor conform run slow-chip --suite chip/one-transfer-at-a-time", 1, "PC-1 at level timing"),
+];
+
+#[test]
+fn every_command_of_the_walk_does_what_it_says() {
+    let readme = include_str!("../../README.md");
+    let begin = readme.find("## Is my implementation right?").expect("the walk");
+    let end = readme.find("## How the walk is fast").expect("the next section");
+    let commands = readme[begin..end].lines().map(|line| line.split('#').next().unwrap_or_default().trim());
+    let commands: Vec<_> = commands
+        .filter(|line| {
+            line.starts_with("saarcor conform ")
+                || line.starts_with("saarcor trace ")
+                || line.starts_with("my-cache/")
+        })
+        .collect();
+    assert_eq!(commands, WALK.iter().map(|(command, ..)| *command).collect::<Vec<_>>());
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let binary = Path::new(env!("CARGO_BIN_EXE_saarcor")).parent().expect("a folder");
+    let path = format!("{}:{}", binary.display(), std::env::var("PATH").expect("a path"));
+    for (command, status, said) in WALK {
+        let output = std::process::Command::new("sh")
+            .args(["-c", command])
+            .current_dir(folder.path())
+            .env("PATH", &path)
+            .output()
+            .expect("a shell");
+        says(&output, *status, &[said]);
+    }
+    // The reports of the faulty one.
+    let page = std::fs::read_to_string(folder.path().join("report.html")).expect("a page");
+    assert!(
+        page.contains("VM-6")
+            && page.contains("<mark>r ")
+            && !page.contains("src=")
+            && !page.contains("http")
+    );
+    let junit = std::fs::read_to_string(folder.path().join("report.xml")).expect("XML");
+    assert!(junit.starts_with("<?xml") && junit.contains("<failure") && junit.contains("saarcor-vm.VM-6"));
+    let kept: Vec<_> = std::fs::read_dir(folder.path().join("target/conform")).expect("kept").collect();
+    assert!(!kept.is_empty());
+}
+
+#[test]
+fn replay_fails_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    says(&run_in(folder.path(), &["conform", "new", "c", "a", "--fault", "hash-xors"]), 0, &[]);
+    let text =
+        says(&run_in(folder.path(), &["conform", "run", "a", "--errors", "1"]), 1, &["VM-3 at level state"]);
+    let again =
+        text.lines().find_map(|line| line.trim().strip_prefix("again     saarcor ")).expect("a command");
+    let args: Vec<_> = again.split(' ').collect();
+    says(&run_in(folder.path(), &args), 1, &["VM-3 at level state"]);
+    let json = says(&run_in(folder.path(), &["conform", "run", "a", "--errors", "1", "--json"]), 1, &[]);
+    let report: serde_json::Value = serde_json::from_str(&json).expect("an object");
+    assert_eq!((&report["schema_version"], &report["verdict"]), (&1.into(), &"does-not-conform".into()));
+    assert_eq!(report["failures"][0]["requirement"], "VM-3");
+    let readme = include_str!("../../README.md");
+    for object in [
+        &report,
+        &report["levels"][0],
+        &report["requirements"][0],
+        &report["failures"][0],
+        &report["coverage"][0],
+    ] {
+        for key in object.as_object().expect("an object").keys() {
+            assert!(readme.contains(&format!("`{key}`")), "the README does not say what {key} is");
+        }
+    }
+}
+
+#[test]
+fn wrong_answers_are_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("answers");
+    let answers =
+        "saarcor-vm 1\nok observes=data,hit,card,evict\nm 0 - 00\nm 10 - 00\nm 20 - 00\nm 20 - 00\nend\n";
+    std::fs::write(&file, answers).expect("written");
+    let check = |suite: &str| run_in(folder.path(), &["conform", "check", suite, "answers"]);
+    says(&check("vm/free-ways-in-order"), 1, &["VM-7 at level state", "request 4", "way 2; 3 is right"]);
+    std::fs::write(&file, answers.replace("end\n", "")).expect("written");
+    says(&check("vm/free-ways-in-order"), 1, &["P-4", "the answers end"]);
+    std::fs::write(&file, "saarcor-vm 1\nunsupported hash\n").expect("written");
+    says(&check("vm/free-ways-in-order"), 3, &["hash is not supported"]);
+}
+
+#[test]
+fn what_cannot_be_told_is_incomplete() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let dut = "kind = \"saarcor-vm\"\nneeds = [\"no-such-program\"]\ncommand = \"x\"\n";
+    std::fs::write(folder.path().join("dut.toml"), dut).expect("written");
+    says(&run_in(folder.path(), &["conform", "run", "."]), 3, &["needs no-such-program"]);
+    let none = "while read x; do case $x in config*) echo unsupported line; exit;; *) echo $x;; esac; done";
+    says(&run_in(folder.path(), &["conform", "run", none, "--requests", "24"]), 3, &["not supported: line"]);
+    let blind = "while read x; do case $x in config*) echo ok observes=data;; end|saarcor*) echo $x;; r*) echo h - 00;; *) echo ok;; esac; done";
+    says(
+        &run_in(folder.path(), &["conform", "run", blind, "--suite", "vm/lru-victim"]),
+        0,
+        &["not observed"],
+    );
+    says(
+        &run_in(folder.path(), &["conform", "run", blind, "--suite", "vm/lru-victim", "--level", "state"]),
+        3,
+        &[],
+    );
+}
+
+#[test]
+fn bad_input_is_refused() {
+    for (args, parts) in [
+        (&["conform", "run", ""][..], &["no implementation"][..]),
+        (&["conform", "run", "src"], &["src/dut.toml", "cannot be read"]),
+        (&["conform", "run", "model", "--suite", "vm/lru-victm"], &["vm/lru-victim"]),
+        (&["conform", "run", "model", "--level", "bits"], &["protocol, data, traffic, state"]),
+        (&["conform", "run", "model", "--kind", "saarcor-hash", "--level", "data"], &["protocol, state"]),
+        (&["conform", "run", "model", "--time-limit", "0"], &["--time-limit"]),
+        (&["conform", "run", "model", "--junit", "no/such/file"], &["no/such/file"]),
+        (&["conform", "generate", "no-such-file"], &["no-such-file"]),
+        (&["conform", "run", "model", "--trace", "no-such-file"], &["no-such-file"]),
+        (&["conform", "run", "model", "--trace", "Cargo.toml"], &["Cargo.toml", "line 1", "0 ADDRESS"]),
+        (&["conform", "run", "model", "--library"], &["no library"]),
+        (&["conform", "serve-library", "Cargo.toml"], &["Cargo.toml", "cannot be loaded"]),
+        (&["conform", "check", "vm/lru-victim", "no-such-file"], &["no-such-file"]),
+        (&["conform", "new", "c", "src"], &["src", "there already"]),
+        (&["conform", "new", "fortran", "x"], &["python"]),
+        (&["conform", "new", "c", "x", "--fault", "hash-xor"], &["hash-xors"]),
+        (&["conform", "new", "c", "no/such/folder"], &["no/such/folder"]),
+    ] {
+        let line = refusal_of(args);
+        for part in parts {
+            assert!(line.contains(part), "'{part}' is not in: {line}");
+        }
+    }
+}
+
+#[test]
+fn broken_builds_are_refused_with_what_they_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let dut = "kind = \"saarcor-vm\"\nbuild = \"echo it is broken; exit 7\"\ncommand = \"x\"\n";
+    std::fs::write(folder.path().join("dut.toml"), dut).expect("written");
+    says(&run_in(folder.path(), &["conform", "run", "."]), 2, &["it is broken", "exit status: 7"]);
+}
+
+/// A library that crashes, or hangs, has its verdict like any other.
+#[test]
+fn libraries_are_run_apart() {
+    let folder = tempfile::tempdir().expect("a folder");
+    says(&run_in(folder.path(), &["conform", "new", "c", "a"]), 0, &[]);
+    let source = folder.path().join("a/cache.c");
+    let text = std::fs::read_to_string(&source).expect("text");
+    for (fault, parts) in [("abort();", &["P-7", "signal 6"][..]), ("for (;;) {}", &["P-8", "time limit"])] {
+        let faulty = text.replace(
+            "saarcor_vm_flush(void) {",
+            &format!("saarcor_vm_flush(void) {{ static int n; if (n++) {fault}"),
+        );
+        assert_ne!(faulty, text);
+        std::fs::write(&source, faulty).expect("written");
+        let run = ["conform", "run", "a", "--library", "--time-limit", "1", "--suite", "vm/flush"];
+        says(&run_in(folder.path(), &run), 1, parts);
+    }
+    let other = "int saarcor_vm_version(void) { return 1; }";
+    std::fs::write(&source, other).expect("written");
+    std::fs::write(
+        folder.path().join("a/dut.toml"),
+        "kind = \"saarcor-vm\"\nbuild = \"cc -shared -fPIC -o cache.so cache.c\"\nlibrary = \"cache.so\"\n",
+    )
+    .expect("written");
+    says(&run_in(folder.path(), &["conform", "run", "a"]), 1, &["P-7", "lacks a function of saarcor.h"]);
+}
+
+/// A process that leaves its group is not left behind either.
+#[cfg(target_os = "linux")]
+#[test]
+fn strays_are_killed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let stray = "setsid sleep 1000.03125 > /dev/null 2>&1 & read x; exit 1";
+    says(&run_in(folder.path(), &["conform", "run", stray, "--errors", "1"]), 1, &["P-7"]);
+    let processes = std::fs::read_dir("/proc").expect("Linux has it").flatten();
+    let lines = processes.filter_map(|entry| std::fs::read(entry.path().join("cmdline")).ok());
+    assert!(!lines.into_iter().any(|line| line.starts_with(b"sleep\0") && line.ends_with(b"1000.03125\0")));
+}

@@ -1,0 +1,195 @@
+//! `saarcor walk` and `saarcor trace record`.
+
+mod common;
+
+use common::{room_arg, stdout_of};
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr, Policy};
+use saarcor_oracles::cache::NaiveCache;
+use serde_json::Value;
+
+/// Sizes of the pictures: each test takes a moment.
+const SMALL: [&str; 2] = ["--resolution", "64x48"];
+/// On-board memory that the room does not fit.
+const TIGHT: [&str; 4] = ["--memory", "2KiB", "--line", "64"];
+
+fn walk(args: &[&str]) -> Vec<Value> {
+    let out = stdout_of(&[&["walk", &room_arg(), "--json"], &SMALL[..], args].concat());
+    out.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+}
+
+fn number(row: &Value, field: &str) -> u64 {
+    row[field].as_u64().expect("a number")
+}
+
+#[test]
+fn rows_have_their_fields_in_order() {
+    let out = stdout_of(&[&["walk", &room_arg(), "--json", "--frames", "0..1"], &SMALL[..]].concat());
+    let fields = [
+        "frame",
+        "primary_rays",
+        "shadow_rays",
+        "secondary_rays",
+        "accesses",
+        "hits",
+        "misses",
+        "working_set_lines",
+        "working_set_bytes",
+        "collisions",
+        "loaded_lines",
+        "loaded_bytes",
+    ];
+    let places = fields.map(|field| out.find(&format!("\"{field}\":")).expect("the field"));
+    assert!(places.is_sorted());
+    assert_eq!(out.matches(':').count(), fields.len(), "no other fields");
+}
+
+#[test]
+fn sums_hold() {
+    for args in [&TIGHT[..], &["--cold"], &["--policy", "fifo", "--ways", "1", "--memory", "1KiB"], &[]] {
+        for row in walk(args) {
+            assert_eq!(number(&row, "primary_rays"), 64 * 48);
+            assert_eq!(
+                number(&row, "shadow_rays"),
+                number(&row, "primary_rays") + number(&row, "secondary_rays")
+            );
+            assert!(number(&row, "secondary_rays") > 0, "the room has a mirror");
+            assert_eq!(number(&row, "hits") + number(&row, "misses"), number(&row, "accesses"));
+            assert_eq!(number(&row, "loaded_lines"), number(&row, "misses"));
+            // A line has as many bytes, loaded or touched.
+            let by = |bytes: &str, lines: &str| number(&row, bytes) * number(&row, lines);
+            assert_eq!(by("loaded_bytes", "working_set_lines"), by("working_set_bytes", "loaded_lines"));
+        }
+    }
+}
+
+#[test]
+fn memory_that_holds_the_image_has_no_collisions() {
+    for row in walk(&["--cold", "--memory", "1MiB"]) {
+        assert_eq!(number(&row, "loaded_lines"), number(&row, "working_set_lines"));
+        assert_eq!(number(&row, "collisions"), 0);
+    }
+}
+
+#[test]
+fn tight_memory_has_collisions() {
+    for row in walk(&[&TIGHT[..], &["--cold"]].concat()) {
+        let (loaded, touched) = (number(&row, "loaded_lines"), number(&row, "working_set_lines"));
+        assert_eq!(number(&row, "collisions"), loaded - touched, "cold: each further load of a line");
+        assert!(loaded > touched);
+    }
+}
+
+#[test]
+fn warm_memory_loads_less() {
+    let (warm, cold) = (walk(&[]), walk(&["--cold"]));
+    assert_eq!(warm[0], cold[0], "the first frame finds the memory empty");
+    assert!(number(&warm[1], "loaded_lines") < number(&cold[1], "loaded_lines"));
+    assert_eq!(number(&warm[1], "working_set_lines"), number(&cold[1], "working_set_lines"));
+}
+
+#[test]
+fn ranges_are_half_open() {
+    let frames = |range| walk(&["--cold", "--frames", range]);
+    let all = frames("..");
+    assert_eq!(all.iter().map(|row| number(row, "frame")).collect::<Vec<_>>(), [0, 1, 2]);
+    assert_eq!(frames("1.."), all[1..]);
+    assert_eq!(frames("..2"), all[..2]);
+    assert_eq!(frames("1..2"), all[1..2]);
+}
+
+#[test]
+fn results_do_not_depend_on_threads() {
+    let scenes = [room_arg(), "pquake3".to_owned()];
+    for scene in &scenes {
+        let walk = |threads| {
+            let args = ["walk", scene, "--frames", "0..2", "--resolution", "160x120", "--threads", threads];
+            stdout_of(&[&args[..], &["--json", "--memory", "64KiB"]].concat())
+        };
+        let one = walk("1");
+        assert_eq!(one, walk("2"));
+        assert_eq!(one, walk("2"), "twice the same run");
+        assert_eq!(one.lines().count(), 2);
+    }
+}
+
+#[test]
+fn packets_share_accesses() {
+    let accesses = |packet| number(&walk(&["--packet", packet])[0], "accesses");
+    let by_size = ["1", "4", "16", "64"].map(accesses);
+    assert!(by_size.is_sorted_by(|one, more| one > more), "{by_size:?}");
+}
+
+#[test]
+fn scenes_without_lights_have_no_shadow_rays() {
+    assert!(walk(&["--lights", "0"]).iter().all(|row| number(row, "shadow_rays") == 0));
+    assert!(walk(&["--bounces", "0"]).iter().all(|row| number(row, "secondary_rays") == 0));
+}
+
+/// The rows of a trace as addresses.
+fn trace(format: &str, prefix: &str) -> Vec<HostAddr> {
+    let args = ["trace", "record", &room_arg(), "--frame", "1", "--format", format];
+    let out = stdout_of(&[&args[..], &SMALL, &TIGHT].concat());
+    let rows = out.lines().skip(usize::from(format == "csv"));
+    let address =
+        |row: &str| u32::from_str_radix(row.strip_prefix(prefix).expect("prefix"), 16).expect("hex");
+    rows.map(|row| HostAddr(address(row))).collect()
+}
+
+/// The trace, played to a cache that is not the model's, gives what the walk counted.
+#[test]
+fn traces_hold_all_accesses_in_order() {
+    let trace_of_din = trace("din", "0 ");
+    assert_eq!(trace_of_din, trace("csv", "0x"));
+    let geometry = Geometry::new(Bytes(2 << 10), Bytes(64), 4).expect("legal");
+    let config = CacheConfig { geometry, hash: Hash::default(), policy: Policy::default() };
+    let mut cache = NaiveCache::new(config);
+    for addr in trace_of_din {
+        cache.access(geometry.line_of(addr));
+    }
+    let row = &walk(&[&TIGHT[..], &["--cold", "--frames", "1..2"]].concat())[0];
+    let counters = cache.counters();
+    assert_eq!(counters.accesses, number(row, "accesses"));
+    assert_eq!((counters.hits(), counters.misses), (number(row, "hits"), number(row, "misses")));
+}
+
+/// The committed trace is that of a frame, and a walk counts what pycachesim made of it.
+#[test]
+fn walk_counts_what_another_simulator_does() {
+    let scene = ["pquake3-nt", "--resolution", "64x48", "--hash", "low"];
+    let trace = stdout_of(&[&["trace", "record", "--frame", "150", "--format", "din"], &scene[..]].concat());
+    assert!(
+        trace == include_str!("../../../reference/oracles/traces/pquake3-nt-150.din"),
+        "the trace has changed"
+    );
+    let simulated: toml::Table =
+        include_str!("../../../reference/oracles/traces/pquake3-nt-150-lru.toml").parse().expect("TOML");
+    let runs = simulated["cold"].as_array().expect("runs");
+    assert!(runs.len() > 2);
+    for run in runs {
+        let value = |field: &str| run[field].as_integer().expect("a number") as u64;
+        let memory = value("memory_bytes").to_string();
+        let walk = ["walk", "--frames", "150..151", "--cold", "--json", "--memory", &memory];
+        let row: Value = serde_json::from_str(&stdout_of(&[&walk, &scene[..]].concat())).expect("JSON");
+        assert_eq!((number(&row, "hits"), number(&row, "misses")), (value("hits"), value("misses")));
+    }
+}
+
+#[test]
+fn traces_go_to_files_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("frame.din");
+    let args = ["trace", "record", &room_arg(), "--frame", "0", "--format", "din", SMALL[0], SMALL[1]];
+    assert_eq!(stdout_of(&[&args[..], &["-o", file.to_str().expect("text")]].concat()), "");
+    assert_eq!(std::fs::read_to_string(file).expect("text"), stdout_of(&args));
+}
+
+/// Rows of the text form are the rows of the JSON form.
+#[test]
+fn text_is_aligned_under_a_header() {
+    let out = stdout_of(&[&["walk", &room_arg()], &SMALL[..]].concat());
+    let lines: Vec<_> = out.lines().collect();
+    assert_eq!(lines.len(), 4);
+    assert!(lines.iter().all(|line| line.chars().count() == lines[0].chars().count()), "{out}");
+    let accesses = walk(&[])[2]["accesses"].to_string();
+    assert!(lines[3].split_whitespace().any(|cell| cell == accesses));
+}

@@ -1,0 +1,3 @@
+//! What had to be written otherwise to be fast: each module is the twin of one of `saarcor-model`, and
+//! `saarcor-proofs` shows that one step of it gives what the specification's step gives, and leaves
+//! corresponding states.

@@ -1,0 +1,83 @@
+//! Packets that leave in the caches what they read, and take no time.
+
+use super::{Cache, Chip, Found, Observer, Traffic};
+use crate::time::config::{CHIP_CACHE_WAYS, ChipConfig, ConfigError};
+use crate::time::operation::{Operation, Programs};
+use crate::time::sdram::{Direction, Span};
+use crate::time::tags::{Place, Tags};
+use crate::vm::{Directory, HostAddr, LineAddr, Outcome};
+
+/// The first-level caches and the virtual memory of a chip on which nothing is in work.
+pub struct Caches {
+    pub(super) config: ChipConfig,
+    pub(super) l1: [Directory<CHIP_CACHE_WAYS>; 4],
+    pub(super) tags: Box<dyn Tags>,
+}
+
+impl Caches {
+    /// Those of the chip `config` after pictures whose packets are worked on one after the other, without
+    /// time (CH-19), of a scene whose `triangles` begin there (L1-1).
+    ///
+    /// # Errors
+    /// If the configuration makes no chip.
+    pub fn after<'a>(
+        before: impl IntoIterator<Item = &'a Programs>,
+        triangles: HostAddr,
+        config: &ChipConfig,
+    ) -> Result<Self, ConfigError> {
+        config.check()?;
+        let nothing = Programs { packets: Vec::new(), triangles };
+        let (mut nobody, in_time) = ((), []);
+        let mut chip = Chip::new(&nothing, &in_time, config, &mut nobody);
+        for operation in before.into_iter().flat_map(Programs::in_order) {
+            chip.read_at_once(operation, None);
+        }
+        Ok(Self { config: *config, l1: chip.l1.map(|l1| l1.directory), tags: chip.tags })
+    }
+}
+
+impl<O: Observer> Chip<'_, O> {
+    /// Reads what an operation reads, without time. The observer is told if it is that of a packet.
+    pub(super) fn read_at_once(&mut self, operation: &Operation, packet: Option<u32>) {
+        if operation.bytes == 0 {
+            return;
+        }
+        let cache = operation.unit as usize;
+        let (first, last) = self.l1[cache].lines_of(operation);
+        for line in first..=last {
+            let outcome = self.l1[cache].directory.access(LineAddr(line));
+            let missed = matches!(outcome, Outcome::Miss { .. });
+            if let Some(packet) = packet {
+                let found = if missed { Found::Missing } else { Found::Resident };
+                self.observer.look_up(packet, Cache::L1(cache), found);
+            }
+            if missed {
+                for (addr, bytes) in self.parts(cache, line) {
+                    self.locate_at_once(addr, bytes, packet);
+                }
+            }
+        }
+    }
+
+    /// Looks up the tag of a part, and moves it and its metadata, without time.
+    fn locate_at_once(&mut self, addr: u32, bytes: u32, packet: Option<u32>) {
+        let mut moves = std::mem::take(&mut self.moves);
+        let Place { card, missed } = self.tags.locate(HostAddr(addr), &mut moves);
+        if let Some(packet) = packet {
+            let (sdram, now) = (self.config.sdram, Span { begin: self.now, end: self.now });
+            let found = if missed { Found::Missing } else { Found::Resident };
+            self.observer.look_up(packet, Cache::L2, found);
+            for step in &moves {
+                let traffic = match step.direction {
+                    Direction::Read => Traffic::MetadataRead,
+                    Direction::Write => Traffic::MetadataWriteBack,
+                };
+                let granule = u64::from(self.config.metadata_cache.granule.max(sdram.beat_bytes));
+                self.observer.transfer(packet, traffic, now, granule);
+            }
+            self.observer.transfer(packet, Traffic::L1Fill, now, sdram.moved(card, bytes.into()));
+        }
+        moves.clear();
+        self.moves = moves;
+    }
+}

@@ -1,0 +1,146 @@
+//! Programs: what the functional run leaves for the timing run.
+//!
+//! What a packet of rays does and reads does not depend on when the bytes come. So the functional
+//! run writes down the operations of each packet once, and the timing run ([`chip`](crate::time::chip))
+//! plays them against any memory system.
+
+use crate::vm::{HostAddr, Memory, Unit};
+use std::sync::Arc;
+
+/// One step of a packet: a unit reads, and works for some rays (CH-1). 8 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Operation {
+    /// First byte that is read.
+    pub addr: HostAddr,
+    /// Bytes that are read; 0 where the unit works on what the chip holds already.
+    pub bytes: u16,
+    /// Rays that the unit works for once the bytes are there; 0 where they belong to the work of
+    /// the operation before.
+    pub rays: u8,
+    /// The unit, by its unit.
+    pub unit: Unit,
+}
+
+impl Operation {
+    /// The first and the last of the lines that are read, which are `line` bytes long and begin at
+    /// `base`. Without meaning where nothing is read.
+    #[must_use]
+    #[inline]
+    pub fn lines(&self, base: u32, line: u32) -> (u32, u32) {
+        let from_base = self.addr.0.saturating_sub(base);
+        let (first, offset) = (from_base / line, from_base % line);
+        let last_offset = offset + u32::from(self.bytes).saturating_sub(1);
+        // A division takes as long as all else here, and few reads leave their line.
+        let further = if last_offset < line { 0 } else { last_offset / line };
+        (first, first + further)
+    }
+}
+
+/// The operations of a packet, in order. Shared, since pictures may have packets in common: a sampled
+/// one takes over most of those of a rough one.
+pub type Program = Arc<[Operation]>;
+
+/// The programs of a picture's packets.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Programs {
+    /// Those of each packet, in the order in which packets are handed out (CH-4).
+    pub packets: Vec<Program>,
+    /// Address of the first triangle: where the lines of the triangle cache begin (L1-1).
+    pub triangles: HostAddr,
+}
+
+impl Programs {
+    /// Where the lines of a first-level cache begin (L1-1).
+    #[must_use]
+    pub fn l1_base(&self, unit: Unit) -> u32 {
+        if unit == Unit::Intersection { self.triangles.0 } else { 0 }
+    }
+
+    /// All operations, packet after packet.
+    pub fn in_order(&self) -> impl Iterator<Item = &Operation> {
+        self.packets.iter().flat_map(|program| program.iter())
+    }
+
+    /// Operations of all packets.
+    #[must_use]
+    pub fn operations(&self) -> u64 {
+        self.packets.iter().map(|packet| packet.len() as u64).sum()
+    }
+}
+
+/// A memory that writes down what is read through it.
+#[derive(Clone, Debug)]
+pub struct Recorder<M> {
+    /// Where the bytes come from.
+    pub below: M,
+    operations: Vec<Operation>,
+    /// An operation that has begun and has read nothing yet.
+    begun: Option<Operation>,
+}
+
+impl<M> Recorder<M> {
+    /// A recorder in front of `below` that has seen nothing.
+    #[must_use]
+    pub fn new(below: M) -> Self {
+        Self { below, operations: Vec::new(), begun: None }
+    }
+
+    /// The operations since the last call: the program of a packet.
+    pub fn take(&mut self) -> Program {
+        self.operations.extend(self.begun.take());
+        let program = self.operations.as_slice().into();
+        self.operations.clear();
+        program
+    }
+}
+
+impl<M: Memory> Memory for Recorder<M> {
+    #[inline]
+    fn read(&mut self, unit: Unit, addr: HostAddr, bytes: &mut [u8]) {
+        let rays = self.begun.take().map_or(0, |begun| begun.rays);
+        self.operations.push(Operation { addr, bytes: bytes.len() as u16, rays, unit });
+        self.below.read(unit, addr, bytes);
+    }
+
+    #[inline]
+    fn issue(&mut self, unit: Unit, rays: impl FnOnce() -> u32) {
+        self.operations.extend(self.begun.take());
+        self.begun = Some(Operation { addr: HostAddr(0), bytes: 0, rays: rays() as u8, unit });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Zeros;
+
+    impl Memory for Zeros {
+        fn read(&mut self, _: Unit, _: HostAddr, bytes: &mut [u8]) {
+            bytes.fill(0);
+        }
+    }
+
+    #[test]
+    fn reads_belong_to_the_operation_that_began() {
+        let mut recorder = Recorder::new(Zeros);
+        recorder.issue(Unit::Shading, || 64);
+        recorder.issue(Unit::Traversal, || 60);
+        recorder.read(Unit::Traversal, HostAddr(8), &mut [0; 8]);
+        recorder.issue(Unit::Shading, || 7);
+        recorder.read(Unit::Shading, HostAddr(100), &mut [0; 20]);
+        recorder.read(Unit::Shading, HostAddr(4), &mut [0; 4]);
+        recorder.issue(Unit::Shading, || 5);
+        let operation = |unit, addr, bytes, rays| Operation { addr: HostAddr(addr), bytes, rays, unit };
+        let expected = [
+            operation(Unit::Shading, 0, 0, 64),
+            operation(Unit::Traversal, 8, 8, 60),
+            operation(Unit::Shading, 100, 20, 7),
+            operation(Unit::Shading, 4, 4, 0),
+            operation(Unit::Shading, 0, 0, 5),
+        ];
+        assert_eq!(*recorder.take(), expected);
+        assert!(recorder.take().is_empty());
+        assert!(size_of::<Operation>() <= 12);
+    }
+}

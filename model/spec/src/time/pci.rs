@@ -1,0 +1,71 @@
+//! The bus to the host (§4) in time.
+
+use super::sdram::Span;
+
+/// Times of the bus, in core cycles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PciConfig {
+    /// From a transfer's begin to its first beat.
+    pub setup: u32,
+    /// Bytes a beat.
+    pub beat_bytes: u32,
+    /// Core cycles a beat.
+    pub cycles_a_beat: u32,
+}
+
+impl PciConfig {
+    /// 32 bit at 33 MHz (§4, Stated). A beat takes 533 / 33 = 16 cycles, and what remains of the 550
+    /// that a line of 128 bytes takes is set-up (Derived).
+    pub const BITS_32_AT_33_MHZ: Self = Self { setup: 38, beat_bytes: 4, cycles_a_beat: 16 };
+
+    /// 64 bit at 66 MHz (§4, Stated), with the same set-up in core cycles (Assumed).
+    pub const BITS_64_AT_66_MHZ: Self = Self { setup: 38, beat_bytes: 8, cycles_a_beat: 8 };
+
+    /// Cycles of a transfer.
+    ///
+    /// ```
+    /// use saarcor_model::time::PciConfig;
+    /// assert_eq!(PciConfig::BITS_32_AT_33_MHZ.cycles(128), 550); // §4: "about 550"
+    /// assert_eq!(PciConfig::BITS_64_AT_66_MHZ.cycles(128), 166);
+    /// ```
+    #[must_use]
+    pub fn cycles(&self, bytes: u64) -> u64 {
+        let beats = bytes.div_ceil(u64::from(self.beat_bytes));
+        u64::from(self.setup) + beats * u64::from(self.cycles_a_beat)
+    }
+}
+
+/// The bus: one transfer at a time, in the order in which they are asked for (PC-1).
+#[derive(Clone, Debug)]
+pub struct Pci {
+    config: PciConfig,
+    free: u64,
+}
+
+impl Pci {
+    /// The bus at cycle 0.
+    #[must_use]
+    pub fn new(config: PciConfig) -> Self {
+        Self { config, free: 0 }
+    }
+
+    /// Loads `bytes` that are asked for in cycle `now`: when the bus is busy with them.
+    pub fn load(&mut self, now: u64, bytes: u64) -> Span {
+        let begin = now.max(self.free);
+        self.free = begin + self.config.cycles(bytes);
+        Span { begin, end: self.free }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_transfer_at_a_time() {
+        let mut pci = Pci::new(PciConfig::BITS_32_AT_33_MHZ);
+        assert_eq!(pci.load(10, 128), Span { begin: 10, end: 560 });
+        assert_eq!(pci.load(20, 128), Span { begin: 560, end: 1110 });
+        assert_eq!(pci.load(2000, 4), Span { begin: 2000, end: 2054 });
+    }
+}

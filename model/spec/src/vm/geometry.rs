@@ -1,0 +1,235 @@
+//! The shape of the on-board cache, and the size of its metadata (§3).
+
+use super::entry::ENTRY_BYTES;
+use super::units::{Bytes, CardAddr, HostAddr, LineAddr, SetIndex, Way};
+use std::fmt;
+
+/// Most ways a set can have (Assumed: twice what caches of the time had).
+pub const MAX_WAYS: u32 = 16;
+
+/// Most bytes of on-board memory: what a [`CardAddr`] reaches (Derived).
+pub const MAX_MEMORY: Bytes = Bytes(1 << 32);
+
+/// Shape of the on-board cache: `sets × ways` lines of `k` bytes (VM-1).
+///
+/// All sizes are powers of two, so that a host address splits into line and offset by bits.
+/// A value of this type is always legal: [`Geometry::new`] is the only way to one.
+///
+/// ```
+/// use saarcor_model::{geometry::Geometry, units::Bytes};
+/// let card = Geometry::new(Bytes(16 << 20), Bytes(128), 4)?;
+/// assert_eq!((card.lines(), card.sets()), (131_072, 32_768));
+/// assert_eq!(card.metadata(), Bytes(640 << 10)); // §3: "640 KB"
+/// # Ok::<(), saarcor_model::vm::GeometryError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Geometry {
+    memory_bits: u32,
+    line_bits: u32,
+    way_bits: u32,
+}
+
+/// Why sizes do not make a cache. Each names the value found and what would be right.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GeometryError {
+    /// The memory is no power of two, or zero.
+    Memory(Bytes),
+    /// The memory is larger than [`MAX_MEMORY`].
+    MemoryTooLarge(Bytes),
+    /// The line is no power of two, or zero.
+    Line(Bytes),
+    /// The number of ways is no power of two, zero, or over [`MAX_WAYS`].
+    Ways(u32),
+    /// The memory is smaller than one set.
+    NoSet {
+        /// Bytes of the memory.
+        memory: Bytes,
+        /// Bytes of one set: line × ways.
+        set: Bytes,
+    },
+}
+
+impl fmt::Display for GeometryError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Memory(Bytes(0)) => write!(f, "memory of 0 bytes: it must be a power of two, such as 8MiB"),
+            Self::Memory(Bytes(n)) => {
+                write!(f, "memory of {n} bytes: it must be a power of two, such as {}", nearest_power(n))
+            }
+            Self::MemoryTooLarge(Bytes(n)) => {
+                write!(
+                    f,
+                    "memory of {n} bytes: a card address has 32 bits, so at most {} bytes",
+                    MAX_MEMORY.0
+                )
+            }
+            Self::Line(Bytes(0)) => write!(f, "line of 0 bytes: it must be a power of two, such as 128"),
+            Self::Line(Bytes(n)) => {
+                write!(f, "line of {n} bytes: it must be a power of two, such as {}", nearest_power(n))
+            }
+            Self::Ways(n) => write!(f, "{n} ways: it must be a power of two from 1 to {MAX_WAYS}"),
+            Self::NoSet { memory, set } => write!(
+                f,
+                "memory of {} bytes is smaller than one set of {} bytes (line × ways): \
+                 take more memory, shorter lines or fewer ways",
+                memory.0, set.0
+            ),
+        }
+    }
+}
+
+impl std::error::Error for GeometryError {}
+
+/// The power of two that is nearest to `n > 0` by ratio.
+fn nearest_power(n: u64) -> u64 {
+    let below = 1 << n.ilog2();
+    if n - below > below / 2 && below < 1 << 63 { below << 1 } else { below }
+}
+
+impl Geometry {
+    /// The shape with these sizes.
+    ///
+    /// # Errors
+    /// Where a size is zero or no power of two, and where the memory does not hold one set.
+    pub fn new(memory: Bytes, line: Bytes, ways: u32) -> Result<Self, GeometryError> {
+        if !memory.0.is_power_of_two() {
+            return Err(GeometryError::Memory(memory));
+        }
+        if memory > MAX_MEMORY {
+            return Err(GeometryError::MemoryTooLarge(memory));
+        }
+        if !line.0.is_power_of_two() {
+            return Err(GeometryError::Line(line));
+        }
+        if !ways.is_power_of_two() || ways > MAX_WAYS {
+            return Err(GeometryError::Ways(ways));
+        }
+        let (memory_bits, line_bits, way_bits) =
+            (memory.0.trailing_zeros(), line.0.trailing_zeros(), ways.trailing_zeros());
+        if line_bits + way_bits > memory_bits {
+            // Saturating: a line of 2⁶³ bytes is a legal power of two and an absurd one.
+            return Err(GeometryError::NoSet { memory, set: Bytes(line.0.saturating_mul(u64::from(ways))) });
+        }
+        Ok(Self { memory_bits, line_bits, way_bits })
+    }
+
+    /// Size of the on-board memory.
+    #[must_use]
+    pub fn memory(self) -> Bytes {
+        Bytes(1 << self.memory_bits)
+    }
+
+    /// Size `k` of a line.
+    #[must_use]
+    pub fn line(self) -> Bytes {
+        Bytes(1 << self.line_bits)
+    }
+
+    /// Lines a set.
+    #[must_use]
+    pub fn ways(self) -> u32 {
+        1 << self.way_bits
+    }
+
+    /// Lines that the memory holds.
+    #[must_use]
+    pub fn lines(self) -> u64 {
+        1 << (self.memory_bits - self.line_bits)
+    }
+
+    /// Number of sets.
+    #[must_use]
+    pub fn sets(self) -> u64 {
+        1 << self.set_bits()
+    }
+
+    /// Binary logarithm of the number of sets.
+    #[must_use]
+    pub fn set_bits(self) -> u32 {
+        self.memory_bits - self.line_bits - self.way_bits
+    }
+
+    /// Size of the metadata: 5 bytes × memory / k (VM-2; §3, Stated).
+    #[must_use]
+    pub fn metadata(self) -> Bytes {
+        Bytes(ENTRY_BYTES as u64 * self.lines())
+    }
+
+    /// The line that holds the byte at `addr`.
+    #[inline]
+    #[must_use]
+    pub fn line_of(self, addr: HostAddr) -> LineAddr {
+        // A line of 2³² bytes has all 32 address bits as its offset.
+        LineAddr((u64::from(addr.0) >> self.line_bits) as u32)
+    }
+
+    /// The place of the byte at `addr` within its line.
+    #[inline]
+    #[must_use]
+    pub fn offset_of(self, addr: HostAddr) -> u32 {
+        addr.0 & self.offset_mask()
+    }
+
+    /// Address of the first byte of `line`.
+    #[inline]
+    #[must_use]
+    pub fn first_byte(self, line: LineAddr) -> HostAddr {
+        HostAddr((u64::from(line.0) << self.line_bits) as u32)
+    }
+
+    /// Where on the card the first byte of the line in `way` of `set` lies: ways of a set follow
+    /// one another (Assumed).
+    #[inline]
+    #[must_use]
+    pub fn card_addr(self, set: SetIndex, way: Way) -> CardAddr {
+        let slot = u64::from(set.0) << self.way_bits | u64::from(way.0);
+        CardAddr((slot << self.line_bits) as u32)
+    }
+
+    fn offset_mask(self) -> u32 {
+        ((1u64 << self.line_bits) - 1) as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paper_examples_of_metadata() {
+        let at = |k| Geometry::new(Bytes(16 << 20), Bytes(k), 4).map(Geometry::metadata);
+        assert_eq!(at(128), Ok(Bytes(655_360)));
+        assert_eq!(at(1024), Ok(Bytes(81_920)));
+    }
+
+    #[test]
+    fn constructor_is_total() {
+        let interesting = [0, 1, 2, 3, 127, 128, 1 << 20, 1 << 32, 1 << 33, 1 << 63, u64::MAX];
+        for memory in interesting {
+            for line in interesting {
+                for ways in [0, 1, 3, 4, 16, 32, u32::MAX] {
+                    if let Err(e) = Geometry::new(Bytes(memory), Bytes(line), ways) {
+                        assert!(!e.to_string().is_empty());
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn refusals_name_the_nearest_power() {
+        for (size, nearest) in [(3, 2), (5, 4), (6, 4), (7, 8), (100, 128), (3 << 61, 1 << 62)] {
+            assert_eq!(nearest_power(size), nearest, "{size}");
+        }
+        assert_eq!(nearest_power((3 << 61) + 1), 1 << 63);
+        assert_eq!(nearest_power(u64::MAX), 1 << 63);
+    }
+
+    #[test]
+    fn one_line_may_span_the_whole_address_space() {
+        let g = Geometry::new(Bytes(1 << 32), Bytes(1 << 32), 1).expect("legal");
+        assert_eq!(g.line_of(HostAddr(u32::MAX)), LineAddr(0));
+        assert_eq!(g.offset_of(HostAddr(u32::MAX)), u32::MAX);
+        assert_eq!(g.first_byte(LineAddr(0)), HostAddr(0));
+    }
+}
