@@ -56,7 +56,7 @@ pub fn simulate_observed(
 
 /// Plays on the chip of these `caches` those packets whose place in `in_time` is true. The others take
 /// no time and count in no report: when their turn to be handed out comes, they leave in the caches what
-/// they read, and `observer` is told what they look up and move (CH-21).
+/// they read, and `observer` sees what they look up and move (sampled simulation).
 ///
 /// # Panics
 /// If `in_time` has not one place for each packet.
@@ -430,7 +430,7 @@ impl<'a, O: Observer> Chip<'a, O> {
         self.begin(thread);
     }
 
-    /// The next packet that takes time, with its number. Those before it are done at once (CH-21).
+    /// The next packet that takes time, with its number. Those before it are done at once.
     fn next_in_time(&mut self) -> Option<(u32, &'a [Operation])> {
         loop {
             let program = self.packets.next()?;
