@@ -15,7 +15,6 @@ mod export;
 pub mod kdbuild;
 mod obj;
 mod overview;
-mod random;
 mod text;
 
 pub use csv::{read_cameras, read_lights};
@@ -23,4 +22,4 @@ pub use error::SceneError;
 pub use export::export_obj;
 pub use obj::{load_obj, load_obj_and_files};
 pub use overview::overview;
-pub use random::Random;
+pub use saarcor_random::Random;

@@ -3,13 +3,13 @@
 use crate::hex;
 use crate::kind::{Comparison, Coverage, Covered, Difference, Kind, Oracle};
 use crate::level::Level;
-use crate::random::Random;
 use crate::serve::{Served, Unsupported};
 use crate::session::Session;
 use crate::suites;
 use crate::vm::config::{HASHES, name_of, named};
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, LineAddr, Policy};
 use saarcor_oracles::cache::NaiveCache;
+use saarcor_random::Random;
 
 /// The kind `saarcor-hash`.
 #[derive(Clone, Copy, Debug)]

@@ -16,7 +16,7 @@
 //! | [`hash`] | `saarcor-hash`: the set of a line |
 //! | [`meta`] | `saarcor-meta`: the tags of version B |
 //! | [`chip`] | `saarcor-chip`: the chip in time |
-//! | [`hex`], [`random`] | numbers as text; the random sequence of a seed |
+//! | [`hex`] | numbers as text |
 //! | [`serve`] | an implementation in Rust, and the protocol around it |
 //! | [`judge`] | the judge of one conversation |
 //! | [`check`] | answers from a file |
@@ -45,7 +45,6 @@ pub mod level;
 #[cfg(unix)]
 pub mod library;
 pub mod meta;
-pub mod random;
 pub mod report;
 pub mod run;
 pub mod serve;

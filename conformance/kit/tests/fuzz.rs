@@ -8,11 +8,11 @@ use saarcor_kit::dut::InProcess;
 use saarcor_kit::judge::Judge;
 use saarcor_kit::kind::{Kind, Oracle};
 use saarcor_kit::level::Level;
-use saarcor_kit::random::Random;
 use saarcor_kit::serve::serve;
 use saarcor_kit::session::Session;
 use saarcor_kit::stop::Stop;
 use saarcor_kit::target::DutFile;
+use saarcor_random::Random;
 
 /// Mutations of each suite by default; `--ignored` takes several times as many.
 const MUTATIONS: u64 = 200;

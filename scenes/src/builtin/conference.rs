@@ -24,7 +24,7 @@ use super::furniture::{
 };
 use super::mesh::{Mesh, rounded_line};
 use super::path::{WayPoint, cameras, evenly};
-use crate::random::Random;
+use saarcor_random::Random;
 
 /// Triangles (Table 1, Stated).
 pub const TRIANGLES: usize = 282_000;

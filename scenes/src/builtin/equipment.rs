@@ -8,7 +8,7 @@ use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
 use super::finish::Finish;
 use super::furniture::{WHOLE, block, empty, placed};
 use super::mesh::{Mesh, Vertex, circle, rounded_line};
-use crate::random::Random;
+use saarcor_random::Random;
 
 /// A mug with a handle, of `sides` sides.
 #[must_use]

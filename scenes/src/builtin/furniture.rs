@@ -6,7 +6,7 @@ use glam::{Affine3A, Quat, Vec2, Vec3, vec2, vec3};
 
 use super::finish::Finish;
 use super::mesh::{Mesh, Vertex, rounded_line};
-use crate::random::Random;
+use saarcor_random::Random;
 
 /// A cell size that leaves faces whole.
 pub const WHOLE: f32 = f32::INFINITY;

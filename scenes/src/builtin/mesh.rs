@@ -3,9 +3,9 @@
 
 use std::f32::consts::TAU;
 
-use crate::random::Random;
 use glam::{Affine3A, Quat, Vec2, Vec3, vec2, vec3};
 use saarcor_model::host::Triangle;
+use saarcor_random::Random;
 
 /// What a piece of mesh is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -20,7 +20,7 @@ use super::furniture::{
 };
 use super::mesh::Mesh;
 use super::path::{cameras, evenly};
-use crate::random::Random;
+use saarcor_random::Random;
 
 /// Triangles (Table 1, Stated).
 pub const TRIANGLES: usize = 1_510_322;

@@ -3,8 +3,8 @@
 use crate::accuracy::suites::{SUITES, Suite};
 use saarcor_kit::kd::Kd;
 use saarcor_kit::kd::scene::Made;
-use saarcor_kit::random::Random;
 use saarcor_kit::session::Session;
+use saarcor_random::Random;
 
 /// Cases of a session: each is a scene and two rays.
 const CASES: u64 = 100;

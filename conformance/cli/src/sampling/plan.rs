@@ -9,7 +9,7 @@
 //! finds in a cache is there for the right reason.
 
 use crate::simulate::PacketOrder;
-use saarcor_kit::random::Random;
+use saarcor_random::Random;
 use std::fmt;
 use std::str::FromStr;
 

@@ -2,9 +2,9 @@
 
 use super::config;
 use super::request::{RAYS, Request};
-use crate::random::Random;
 use saarcor_model::time::{Operation, Version};
 use saarcor_model::vm::{HostAddr, Unit};
+use saarcor_random::Random;
 
 /// Of so many seeds one has the standard chip.
 const STANDARD_EVERY: u64 = 12;

@@ -286,7 +286,7 @@ mod tests {
     /// Each order of the sums, and both quotients, of random volumes stay inside.
     #[test]
     fn bounds_hold_in_every_order() {
-        let mut random = crate::random::Random::new(1);
+        let mut random = saarcor_random::Random::new(1);
         let mut value = || random.bits() as u16 as f32 / 3.0 - 10_000.0;
         for _ in 0..10_000 {
             let [a, b, c, d, e, f, g] = std::array::from_fn(|_| value());

@@ -4,9 +4,9 @@
 use super::request::push_ray;
 use super::scene::Made;
 use super::world::KERNELS;
-use crate::random::Random;
 use glam::Vec3;
 use saarcor_model::rays::{Query, Ray};
+use saarcor_random::Random;
 
 /// Rays of a scene.
 const RAYS: usize = 64;

@@ -2,13 +2,13 @@
 
 use super::request::{push_bounds, push_write};
 use super::world::Scene;
-use crate::random::Random;
 use glam::Vec3;
 use saarcor_model::host::{
     Aabb, Axis, HostImage, KdTree, Material, NODE_BYTES, Node, REGION_ALIGNMENT, Scene as ModelScene,
     TRIANGLE_BYTES, Triangle,
 };
 use saarcor_model::rays::Kernel;
+use saarcor_random::Random;
 
 /// Triangles of a cell that is not cut.
 const MAX_LEAF: usize = 2;

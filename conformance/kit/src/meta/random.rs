@@ -3,8 +3,8 @@
 
 use super::config::{self, MetaConfig};
 use crate::hex;
-use crate::random::Random;
 use saarcor_model::vm::ENTRY_BYTES;
+use saarcor_random::Random;
 use std::collections::BTreeSet;
 
 /// Configurations that seeds go through: the small geometry first, then others.

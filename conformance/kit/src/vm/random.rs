@@ -2,8 +2,8 @@
 
 use super::config;
 use crate::hex;
-use crate::random::Random;
 use saarcor_model::vm::CacheConfig;
+use saarcor_random::Random;
 
 /// Configurations that seeds go through: the small geometry with each hash and policy, then others.
 pub const CONFIGS: &[&str] = &[

@@ -5,9 +5,9 @@
 
 use super::config;
 use crate::hex;
-use crate::random::Random;
 use crate::session::{Session, SessionError};
 use saarcor_model::vm::HostAddr;
+use saarcor_random::Random;
 use std::collections::BTreeSet;
 
 /// Traces of the kit by their names.

@@ -8,7 +8,7 @@ use glam::{Affine3A, Quat, Vec2, Vec3, vec2, vec3};
 use super::parts::{bolt, flange, hand_wheel, rivet_row};
 use super::surfaces::Surfaces;
 use crate::builtin::mesh::{Mesh, Surface, Vertex, circle};
-use crate::random::Random;
+use saarcor_random::Random;
 
 /// The hall's inside.
 pub const MIN: Vec3 = Vec3::new(-45.0, 6.8, -8.0);

@@ -19,7 +19,7 @@ use saarcor_model::host::{Light, Scene};
 use super::mesh::Mesh;
 use super::palette::Palette;
 use super::path::{WayPoint, cameras};
-use crate::random::Random;
+use saarcor_random::Random;
 use surfaces::{Surfaces, surfaces};
 
 /// Triangles (Table 1, Stated).

@@ -16,8 +16,8 @@ use saarcor_model::host::{Light, Scene};
 use super::mesh::{Mesh, Surface, Vertex, circle};
 use super::palette::Palette;
 use super::path::{cameras, evenly};
-use crate::random::Random;
 use props::Item;
+use saarcor_random::Random;
 use surfaces::{Surfaces, surfaces};
 
 /// Triangles (Table 1, Stated).
