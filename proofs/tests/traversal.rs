@@ -16,7 +16,7 @@ use saarcor_model::host::{
     Aabb, Axis, HostImage, KdTree, MAX_DEPTH, Material, NODE_BYTES, Node, Scene, TRIANGLE_BYTES, Triangle,
 };
 use saarcor_model::rays::{EdgeTriangle, Hits, Kernel, Packet, Query, Ray, Traversal, TriangleTest, widen};
-use saarcor_model::vm::{HostAddr, Memory, Unit};
+use saarcor_model::vm::{HostAddr, Observed, Observer, Unit};
 use saarcor_oracles::flat::FlatMemory;
 use saarcor_oracles::search::closest_hit;
 use support::engine;
@@ -143,28 +143,26 @@ fn lay_out(triangles: Vec<Triangle>, tree: &KdTree) -> HostImage {
     HostImage::build(&scene, tree, Kernel::MollerTrumbore).expect("a valid tree")
 }
 
-/// Reads the host's memory, and notes what.
-struct Noting<'a> {
-    memory: FlatMemory<'a>,
+/// Notes the nodes that are read, and counts the triangles.
+#[derive(Default)]
+struct Reads {
     nodes: Vec<u32>,
     triangles: usize,
 }
 
-impl<'a> Noting<'a> {
-    fn new(image: &'a HostImage) -> Self {
-        Self { memory: FlatMemory::new(&image.bytes), nodes: Vec::new(), triangles: 0 }
-    }
-}
-
-impl Memory for Noting<'_> {
-    fn read(&mut self, unit: Unit, addr: HostAddr, bytes: &mut [u8]) {
+impl Observer for Reads {
+    fn read(&mut self, unit: Unit, addr: HostAddr, _bytes: usize) {
         match unit {
             Unit::Traversal => self.nodes.push(addr.0 / NODE_BYTES),
             Unit::Intersection => self.triangles += 1,
             Unit::List | Unit::Shading => {}
         }
-        self.memory.read(unit, addr, bytes);
     }
+}
+
+/// The host's memory, read under observation.
+fn observed(image: &HostImage) -> Observed<FlatMemory<'_>, Reads> {
+    Observed { memory: FlatMemory::new(&image.bytes), observer: Reads::default() }
 }
 
 /// Distance and address of the hit that the search finds: of several at one distance, the one at
@@ -190,10 +188,14 @@ fn agrees<const N: usize>(
     rays: &[Option<Ray>; N],
 ) -> Result<usize, TestCaseError> {
     let packet = Packet::new(*rays);
-    let mut memory = Noting::new(image);
+    let mut memory = observed(image);
     let closest: Hits<N> = traversal.run(&mut memory, &image.registers, &packet, Query::Closest);
-    memory.nodes.sort_unstable();
-    prop_assert!(memory.nodes.is_sorted_by(|a, b| a < b), "a node is read twice: {:?}", memory.nodes);
+    memory.observer.nodes.sort_unstable();
+    prop_assert!(
+        memory.observer.nodes.is_sorted_by(|a, b| a < b),
+        "a node is read twice: {:?}",
+        memory.observer.nodes
+    );
     let any = traversal.run(&mut memory, &image.registers, &packet, Query::Any);
     let mut hits = 0;
     for (lane, ray) in rays.iter().enumerate() {
@@ -297,9 +299,9 @@ fn reads_what_is_met<const N: usize>(
     image: &HostImage,
     rays: &[Option<Ray>; N],
 ) -> Result<bool, TestCaseError> {
-    let mut memory = Noting::new(image);
+    let mut memory = observed(image);
     let hits = traversal.run(&mut memory, &image.registers, &Packet::new(*rays), Query::Closest);
-    prop_assert!((0..N).all(|lane| !hits.is_hit(lane)) && memory.triangles == 0, "{:?}", hits);
+    prop_assert!((0..N).all(|lane| !hits.is_hit(lane)) && memory.observer.triangles == 0, "{:?}", hits);
     // Widening is 3.6e-7; between it and the distances in f64 the walk is free.
     let naive = |slack| {
         let mut naive = Naive { nodes: &tree.nodes, rays, slack, read: Vec::new() };
@@ -308,10 +310,20 @@ fn reads_what_is_met<const N: usize>(
     };
     let (least, most) = (naive(0.0), naive(2e-6));
     if least == most {
-        prop_assert_eq!(&memory.nodes, &least);
+        prop_assert_eq!(&memory.observer.nodes, &least);
     }
-    prop_assert!(least.iter().all(|node| memory.nodes.contains(node)), "{:?} of {:?}", memory.nodes, least);
-    prop_assert!(memory.nodes.iter().all(|node| most.contains(node)), "{:?} of {:?}", memory.nodes, most);
+    prop_assert!(
+        least.iter().all(|node| memory.observer.nodes.contains(node)),
+        "{:?} of {:?}",
+        memory.observer.nodes,
+        least
+    );
+    prop_assert!(
+        memory.observer.nodes.iter().all(|node| most.contains(node)),
+        "{:?} of {:?}",
+        memory.observer.nodes,
+        most
+    );
     Ok(least == most)
 }
 
@@ -480,7 +492,7 @@ fn cells_behind_a_hit_are_not_read() {
     let image = lay_out(triangles, &KdTree { bounds, nodes, refs: vec![0, 1] });
     for query in [Query::Closest, Query::Any] {
         for (ray, nodes) in [(along(-1.0, 1.0), [0, 1]), (along(5.0, -1.0), [0, 2])] {
-            let mut memory = Noting::new(&image);
+            let mut memory = observed(&image);
             let hits = Traversal::<1>::default().run(
                 &mut memory,
                 &image.registers,
@@ -488,7 +500,11 @@ fn cells_behind_a_hit_are_not_read() {
                 query,
             );
             assert!(hits.is_hit(0));
-            assert_eq!((memory.nodes, memory.triangles), (nodes.to_vec(), 1), "{query:?} {ray:?}");
+            assert_eq!(
+                (memory.observer.nodes, memory.observer.triangles),
+                (nodes.to_vec(), 1),
+                "{query:?} {ray:?}"
+            );
         }
     }
 }
@@ -510,9 +526,9 @@ fn deepest_tree_is_walked() {
     nodes.extend((2..=depth).flat_map(|level| [if level < depth { inner(level) } else { empty }, empty]));
     let tree = KdTree { bounds, nodes, refs: vec![1, 0] };
     let image = lay_out(triangles, &tree);
-    let mut memory = Noting::new(&image);
+    let mut memory = observed(&image);
     let packet = Packet::new([Some(along(-1.0, 1.0))]);
     let hits = Traversal::<1>::default().run(&mut memory, &image.registers, &packet, Query::Closest);
     assert!(hits.is_hit(0) && hits.t[0] == depth as f32 + 1.0);
-    assert_eq!(memory.nodes.len(), tree.nodes.len());
+    assert_eq!(memory.observer.nodes.len(), tree.nodes.len());
 }

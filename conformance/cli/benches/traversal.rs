@@ -5,7 +5,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use saarcor_cli::progress::Progress;
 use saarcor_cli::world::{World, WorldOptions};
 use saarcor_model::rays::{Frame, Packet, Query, Traversal};
-use saarcor_oracles::flat::FlatMemory;
+use saarcor_model::vm::{Observed, WholeScene};
 use std::hint::black_box;
 use std::path::Path;
 
@@ -15,7 +15,7 @@ fn closest_hits<const N: usize>(c: &mut Criterion, name: &str, world: &World) {
     let frame = Frame::new(&world.path[0], RESOLUTION.0, RESOLUTION.1);
     let packets: Vec<Packet<N>> = (0..frame.packets::<N>()).map(|p| frame.primary_packet(p)).collect();
     let mut traversal = Traversal::<N>::default();
-    let mut memory = FlatMemory::new(&world.image.bytes);
+    let mut memory = Observed::by_nobody(WholeScene(&world.image.bytes));
     let mut group = c.benchmark_group("closest_hit");
     group.throughput(Throughput::Elements(u64::from(RESOLUTION.0 * RESOLUTION.1)));
     group.bench_function(format!("{name}/{N} rays a packet"), |b| {

@@ -7,8 +7,7 @@ use glam::Vec3;
 use image::{ImageFormat, RgbImage};
 use saarcor_model::host::Registers;
 use saarcor_model::rays::{Frame, Pipeline, RayCounts};
-use saarcor_model::vm::{CacheConfig, Counters, Directory, HostAddr, Memory, Unit, VirtualMemory};
-use saarcor_oracles::flat::FlatMemory;
+use saarcor_model::vm::{CacheConfig, Counters, Directory, Memory, Observed, VirtualMemory, WholeScene};
 use std::io::{Cursor, Write};
 
 /// A picture and the rays that it took.
@@ -25,10 +24,10 @@ pub struct Picture {
 /// # Panics
 /// If the path does not have the frame.
 #[must_use]
-pub fn picture(memory: &mut impl Memory, world: &World, frame: usize, options: &TraceOptions) -> Picture {
+pub fn picture(memory: &mut dyn Memory, world: &World, frame: usize, options: &TraceOptions) -> Picture {
     let (width, height) = options.resolution;
     let frame = Frame::new(&world.path[frame], width, height);
-    let mut memory = Erased(&mut |unit, addr, bytes| memory.read(unit, addr, bytes));
+    let mut memory = Observed::by_nobody(memory);
     let (registers, bounces) = (&world.image.registers, options.max_bounces);
     match options.packet {
         PacketSize::Rays1 => packets::<1>(&mut memory, registers, &frame, bounces),
@@ -38,10 +37,10 @@ pub fn picture(memory: &mut impl Memory, world: &World, frame: usize, options: &
     }
 }
 
-/// The picture with flat memory.
+/// The picture without virtual memory.
 #[must_use]
-pub fn through_flat_memory(world: &World, frame: usize, options: &TraceOptions) -> Picture {
-    picture(&mut FlatMemory::new(&world.image.bytes), world, frame, options)
+pub fn through_whole_scene(world: &World, frame: usize, options: &TraceOptions) -> Picture {
+    picture(&mut WholeScene(&world.image.bytes), world, frame, options)
 }
 
 /// The picture through a virtual memory that is empty at first, and what that did.
@@ -72,17 +71,8 @@ fn through_ways<const WAYS: usize>(
     (picture, memory.directory.counters)
 }
 
-/// A memory of a type that is not known, so that the pipeline is compiled once for all of them.
-struct Erased<'a>(&'a mut dyn FnMut(Unit, HostAddr, &mut [u8]));
-
-impl Memory for Erased<'_> {
-    fn read(&mut self, unit: Unit, addr: HostAddr, bytes: &mut [u8]) {
-        (self.0)(unit, addr, bytes);
-    }
-}
-
 fn packets<const N: usize>(
-    memory: &mut Erased<'_>,
+    memory: &mut Observed<&mut dyn Memory>,
     registers: &Registers,
     frame: &Frame,
     max_bounces: u32,

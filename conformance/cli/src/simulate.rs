@@ -14,7 +14,7 @@ use saarcor_model::rays::{Frame, Pipeline, RayCounts};
 use saarcor_model::time::{
     CacheReport, ChipConfig, Program, Programs, Recorder, Report, Stall, UNIT_NAMES, UnitReport, Version,
 };
-use saarcor_oracles::flat::FlatMemory;
+use saarcor_model::vm::{Observed, WholeScene};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -160,14 +160,14 @@ fn trace_packets<const N: usize>(
     each: &mut dyn FnMut(Traced<'_, N>),
 ) {
     let tools = || {
-        let recorder = Recorder::new(FlatMemory::new(&world.image.bytes));
-        (Pipeline::<N>::new(max_bounces), recorder)
+        let memory = Observed { memory: WholeScene(&world.image.bytes), observer: Recorder::default() };
+        (Pipeline::<N>::new(max_bounces), memory)
     };
     let registers = &world.image.registers;
     for batch in packets.chunks(PACKETS_A_BATCH) {
-        let trace = |(pipeline, recorder): &mut (Pipeline<N>, Recorder<FlatMemory<'_>>), &packet: &u32| {
-            let colours = pipeline.render(recorder, registers, frame, packet);
-            (recorder.take(), colours, std::mem::take(&mut pipeline.rays))
+        let trace = |(pipeline, memory): &mut (Pipeline<N>, Observed<_, Recorder>), &packet: &u32| {
+            let colours = pipeline.render(memory, registers, frame, packet);
+            (memory.observer.take(), colours, std::mem::take(&mut pipeline.rays))
         };
         let traced: Vec<_> = batch.par_iter().map_init(tools, trace).collect();
         for (&packet, (program, colours, rays)) in batch.iter().zip(traced) {

@@ -1,16 +1,17 @@
 //! Step one of §4: a walk through the scene with the virtual memory and without first-level
 //! caches; for each frame the working set, the collisions and the lines loaded.
 //!
-//! What a packet reads does not depend on the cache. So all cores trace packets on flat memory
-//! and record the addresses, and the cache sees the records in one defined order: packets in scan
+//! What a packet reads does not depend on the cache. So all cores trace packets on the whole
+//! scene and record the addresses, and the cache sees the records in one defined order: packets in scan
 //! order, frame after frame. Results are the same for any number of threads.
 
 use crate::world::World;
 use anyhow::Result;
 use rayon::prelude::*;
 use saarcor_model::rays::{Frame, Pipeline, RayCounts};
-use saarcor_model::vm::{Bytes, CacheConfig, Directory, HostAddr, LineAddr, Memory, Outcome, Unit};
-use saarcor_oracles::flat::FlatMemory;
+use saarcor_model::vm::{
+    Bytes, CacheConfig, Directory, HostAddr, LineAddr, Observed, Observer, Outcome, Unit, WholeScene,
+};
 use serde::Serialize;
 use std::ops::Range;
 use std::time::Instant;
@@ -191,18 +192,15 @@ pub fn accesses(cache: CacheConfig, addr: HostAddr, bytes: u64) -> impl Iterator
     std::iter::once(addr.0).chain(further.map(move |line| cache.geometry.first_byte(line).0))
 }
 
-/// Flat memory that records which addresses the virtual memory would be asked for.
-struct Recorder<'a> {
-    flat: FlatMemory<'a>,
+/// Records which addresses the virtual memory would be asked for.
+struct Addresses {
     cache: CacheConfig,
-    addresses: Vec<u32>,
+    recorded: Vec<u32>,
 }
 
-impl Memory for Recorder<'_> {
-    #[inline]
-    fn read(&mut self, unit: Unit, addr: HostAddr, bytes: &mut [u8]) {
-        self.addresses.extend(accesses(self.cache, addr, bytes.len() as u64));
-        self.flat.read(unit, addr, bytes);
+impl Observer for Addresses {
+    fn read(&mut self, _unit: Unit, addr: HostAddr, bytes: usize) {
+        self.recorded.extend(accesses(self.cache, addr, bytes as u64));
     }
 }
 
@@ -234,10 +232,10 @@ fn trace_packets<const N: usize>(
     let frame = Frame::new(&world.path[frame], width, height);
     let trace_batch = |packets: Range<u32>| -> Vec<(Vec<u32>, RayCounts)> {
         let trace = |pipeline: &mut Pipeline<N>, packet| {
-            let flat = FlatMemory::new(&world.image.bytes);
-            let mut recorder = Recorder { flat, cache, addresses: Vec::new() };
-            pipeline.render(&mut recorder, &world.image.registers, &frame, packet);
-            (recorder.addresses, std::mem::take(&mut pipeline.rays))
+            let observer = Addresses { cache, recorded: Vec::new() };
+            let mut memory = Observed { memory: WholeScene(&world.image.bytes), observer };
+            pipeline.render(&mut memory, &world.image.registers, &frame, packet);
+            (memory.observer.recorded, std::mem::take(&mut pipeline.rays))
         };
         packets.into_par_iter().map_init(|| Pipeline::new(options.max_bounces), trace).collect()
     };
@@ -293,42 +291,42 @@ pub trait ObservedCache: Send {
 #[must_use]
 pub fn observed_cache(config: CacheConfig, host: Bytes) -> Box<dyn ObservedCache> {
     match config.geometry.ways() {
-        1 => Box::new(Observed::<1>::new(config, host)),
-        2 => Box::new(Observed::<2>::new(config, host)),
-        4 => Box::new(Observed::<4>::new(config, host)),
-        8 => Box::new(Observed::<8>::new(config, host)),
-        _ => Box::new(Observed::<16>::new(config, host)),
+        1 => Box::new(History::<1>::new(config, host)),
+        2 => Box::new(History::<2>::new(config, host)),
+        4 => Box::new(History::<4>::new(config, host)),
+        8 => Box::new(History::<8>::new(config, host)),
+        _ => Box::new(History::<16>::new(config, host)),
     }
 }
 
 /// A directory and, for each line of host memory, when it was last touched and evicted.
-struct Observed<const WAYS: usize> {
+struct History<const WAYS: usize> {
     directory: Directory<WAYS>,
     /// Frames begun so far. Frame numbers below count from 1; 0 is never.
     frame: u32,
-    history: Vec<History>,
+    lines: Vec<LineHistory>,
     counts: FrameCounts,
 }
 
 #[derive(Clone, Copy, Default)]
-struct History {
+struct LineHistory {
     touched: u32,
-    pushed_out: u32,
+    evicted: u32,
 }
 
-impl<const WAYS: usize> Observed<WAYS> {
+impl<const WAYS: usize> History<WAYS> {
     fn new(config: CacheConfig, host: Bytes) -> Self {
         let lines = host.0.div_ceil(config.geometry.line().0) as usize;
         Self {
             directory: Directory::new(config),
             frame: 0,
-            history: vec![History::default(); lines],
+            lines: vec![LineHistory::default(); lines],
             counts: FrameCounts::default(),
         }
     }
 }
 
-impl<const WAYS: usize> ObservedCache for Observed<WAYS> {
+impl<const WAYS: usize> ObservedCache for History<WAYS> {
     fn begin_frame(&mut self, cold: bool) {
         self.frame += 1;
         self.counts = FrameCounts::default();
@@ -348,15 +346,15 @@ impl<const WAYS: usize> ObservedCache for Observed<WAYS> {
                 continue;
             }
             last = Some(line);
-            let history = &mut self.history[line.0 as usize];
+            let history = &mut self.lines[line.0 as usize];
             self.counts.working_set += u64::from(history.touched != self.frame);
             history.touched = self.frame;
             if let Outcome::Miss { evicted, .. } = self.directory.access(line) {
                 self.counts.loaded += 1;
                 // It lay in the cache at some time of this frame if it was evicted in it.
-                self.counts.collisions += u64::from(history.pushed_out == self.frame);
+                self.counts.collisions += u64::from(history.evicted == self.frame);
                 if let Some(evicted) = evicted {
-                    self.history[evicted.0 as usize].pushed_out = self.frame;
+                    self.lines[evicted.0 as usize].evicted = self.frame;
                 }
             }
         }

@@ -8,7 +8,7 @@ use saarcor_model::rays::{
     EdgeTriangle, Frame, Hits, Kernel, Packet, PluckerTriangle, ProjectedTriangle, Query, Ray, Traversal,
     TriangleTest, WatertightTriangle,
 };
-use saarcor_model::vm::HostAddr;
+use saarcor_model::vm::{HostAddr, Observed};
 use saarcor_oracles::exact::{self, rational::nearest_f32};
 use saarcor_oracles::flat::FlatMemory;
 use saarcor_oracles::search::{ClosestHit, closest_hit};
@@ -55,7 +55,7 @@ fn random_rays(bounds: Aabb, rays: usize) -> Vec<Ray> {
 /// Distance and triangle, by the scene's index, of each ray's closest hit, from packets of `N`.
 fn traverse<const N: usize>(image: &HostImage, rays: &[Ray]) -> Vec<Option<(f32, u32)>> {
     let mut traversal = Traversal::<N>::default();
-    let mut memory = FlatMemory::new(&image.bytes);
+    let mut memory = Observed::by_nobody(FlatMemory::new(&image.bytes));
     let mut found = Vec::new();
     for rays in rays.chunks(N) {
         let packet = Packet::new(std::array::from_fn(|lane| rays.get(lane).copied()));

@@ -10,7 +10,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use saarcor_model::host::{HostImage, KdTree, Node, Scene};
 use saarcor_model::rays::{Kernel, Packet, Query, Ray, Traversal};
-use saarcor_model::vm::HostAddr;
+use saarcor_model::vm::{HostAddr, Observed};
 use saarcor_oracles::bvh::Bvh;
 use saarcor_oracles::exact::filter::Estimate;
 use saarcor_oracles::exact::{closest, judge};
@@ -134,7 +134,7 @@ fn loses_nothing(name: &str, scene: &Scene, rule: SplitRule, rays: usize) -> u64
         let mut random = Random::new(seed as u64);
         let rays: [Ray; PACKET] = std::array::from_fn(|_| ground.ray(&mut random));
         let packet = Packet::new(rays.map(Some));
-        let mut memory = FlatMemory::new(&image.bytes);
+        let mut memory = Observed::by_nobody(FlatMemory::new(&image.bytes));
         let [found, any] = [Query::Closest, Query::Any]
             .map(|query| Traversal::<PACKET>::default().run(&mut memory, &image.registers, &packet, query));
         let fault = |(lane, ray): (usize, &Ray)| {

@@ -5,7 +5,7 @@ mod common;
 use common::{room_arg, run, stdout_of};
 use rayon::prelude::*;
 use saarcor_cli::progress::Progress;
-use saarcor_cli::render::{through_flat_memory, through_virtual_memory};
+use saarcor_cli::render::{through_virtual_memory, through_whole_scene};
 use saarcor_cli::walk::{PacketSize, TraceOptions};
 use saarcor_cli::world::{World, WorldOptions};
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy};
@@ -28,7 +28,7 @@ fn assert_transparent(scene: &str) {
     let world = World::open(&WorldOptions::new(scene), &Progress::new(true)).expect("a built-in scene");
     let frame = world.path.len() / 3;
     let trace = TraceOptions { resolution: (256, 192), packet: PacketSize::Rays64, max_bounces: 3 };
-    let flat = through_flat_memory(&world, frame, &trace);
+    let flat = through_whole_scene(&world, frame, &trace);
     let colours: std::collections::BTreeSet<_> = flat.pixels.pixels().map(|pixel| pixel.0).collect();
     assert!(colours.len() > 100, "the picture of {scene} shows something: {} colours", colours.len());
     caches().into_par_iter().for_each(|cache| {

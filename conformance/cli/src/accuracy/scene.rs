@@ -9,8 +9,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use saarcor_model::host::TRIANGLE_BYTES;
 use saarcor_model::rays::{Frame, Hits, Kernel, Packet, Query, Ray, Traversal};
-use saarcor_model::vm::{HostAddr, Memory, Unit};
-use saarcor_oracles::flat::FlatMemory;
+use saarcor_model::vm::{HostAddr, Observed, Observer, Unit, WholeScene};
 use saarcor_scenes::Random;
 use std::str::FromStr;
 
@@ -47,18 +46,15 @@ impl Budget {
     }
 }
 
-/// Reads the host's memory, and notes the triangles.
-struct Noting<'a> {
-    memory: FlatMemory<'a>,
-    triangles: Vec<u32>,
-}
+/// Notes the addresses of the triangles that are read.
+#[derive(Default)]
+struct Triangles(Vec<u32>);
 
-impl Memory for Noting<'_> {
-    fn read(&mut self, unit: Unit, addr: HostAddr, bytes: &mut [u8]) {
+impl Observer for Triangles {
+    fn read(&mut self, unit: Unit, addr: HostAddr, _bytes: usize) {
         if unit == Unit::Intersection {
-            self.triangles.push(addr.0);
+            self.0.push(addr.0);
         }
-        self.memory.read(unit, addr, bytes);
     }
 }
 
@@ -81,20 +77,21 @@ pub fn cases(world: &World, rays: u64, seed: u64) -> Result<Vec<Case>> {
 
 /// The corners of the triangles that the traversal of `ray` reads, by ascending address.
 fn tested(world: &World, ray: &Ray) -> Vec<[Vec3; 3]> {
-    let mut memory = Noting { memory: FlatMemory::new(&world.image.bytes), triangles: Vec::new() };
+    let mut memory = Observed { memory: WholeScene(&world.image.bytes), observer: Triangles::default() };
     let packet = Packet::new([Some(*ray)]);
     let _: Hits<1> = Traversal::default().run(&mut memory, &world.image.registers, &packet, Query::Closest);
-    memory.triangles.sort_unstable();
-    memory.triangles.dedup();
+    let mut triangles = std::mem::take(&mut memory.observer.0);
+    triangles.sort_unstable();
+    triangles.dedup();
     let corners = |&addr: &u32| {
-        let bytes: [u8; TRIANGLE_BYTES as usize] = memory.memory.fetch(Unit::Intersection, HostAddr(addr));
+        let bytes: [u8; TRIANGLE_BYTES as usize] = memory.fetch(Unit::Intersection, HostAddr(addr));
         let number = |at: usize| {
             let start = 4 * at;
             f32::from_le_bytes([bytes[start], bytes[start + 1], bytes[start + 2], bytes[start + 3]])
         };
         std::array::from_fn(|corner| Vec3::from_array(std::array::from_fn(|axis| number(3 * corner + axis))))
     };
-    memory.triangles.iter().map(corners).collect()
+    triangles.iter().map(corners).collect()
 }
 
 /// The kernel that a world must be opened with: its records are the corners, and its traversal

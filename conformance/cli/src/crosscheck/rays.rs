@@ -6,9 +6,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 use saarcor_model::host::{Aabb, HostImage};
 use saarcor_model::rays::{Cones, Frame, Hits, Packet, Query, Ray, Traversal, shadow_ray, surfaces};
-use saarcor_model::vm::HostAddr;
+use saarcor_model::vm::{HostAddr, Observed, WholeScene};
 use saarcor_oracles::embree::Hit;
-use saarcor_oracles::flat::FlatMemory;
 use saarcor_scenes::Random;
 use serde::Serialize;
 
@@ -101,7 +100,7 @@ fn shadow_rays(world: &World, primary: &[Ray], random: &mut Random) -> Vec<Ray> 
     let seen: Vec<_> = primary
         .par_chunks(BATCH)
         .flat_map_iter(|rays| {
-            let mut memory = FlatMemory::new(&world.image.bytes);
+            let mut memory = Observed::by_nobody(WholeScene(&world.image.bytes));
             let mut traversal = Traversal::<PACKET>::default();
             let surfaces = rays.chunks(PACKET).map(move |rays| {
                 let packet = packet(rays);
@@ -177,7 +176,7 @@ fn packet(rays: &[Ray]) -> Packet<PACKET> {
 pub fn traverse(image: &HostImage, rays: &[Ray], query: Query) -> Vec<Option<Hit>> {
     rays.par_chunks(BATCH)
         .flat_map_iter(|rays| {
-            let mut memory = FlatMemory::new(&image.bytes);
+            let mut memory = Observed::by_nobody(WholeScene(&image.bytes));
             let mut traversal = Traversal::<PACKET>::default();
             let answers = rays.chunks(PACKET).flat_map(move |rays| {
                 let hits = traversal.run(&mut memory, &image.registers, &packet(rays), query);

@@ -5,7 +5,7 @@ use crate::args::{CacheArgs, SceneArgs, TraceArgs, describe};
 use crate::limits::check_state;
 use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
-use crate::render::{Picture, through_flat_memory, through_virtual_memory};
+use crate::render::{Picture, through_virtual_memory, through_whole_scene};
 use crate::summary::Summary;
 use anyhow::Result;
 use saarcor_model::vm::{Bytes, Counters};
@@ -77,7 +77,7 @@ impl Args {
         let options = self.trace.options();
         let (picture, traffic) = progress.during("picture", |_| {
             if self.flat {
-                (through_flat_memory(&world, self.frame, &options), None)
+                (through_whole_scene(&world, self.frame, &options), None)
             } else {
                 let (picture, counters) = through_virtual_memory(&world, self.frame, &options, cache);
                 (picture, Some(Traffic::from(counters)))

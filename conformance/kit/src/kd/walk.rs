@@ -7,38 +7,25 @@ use saarcor_model::rays::{
     Children, Hits, Packet, Prepared, Query, Ray, Stack, Traversal, is_downwards, max, min, reciprocal,
     visit, widen,
 };
-use saarcor_model::vm::{HostAddr, Memory, Unit};
-use saarcor_oracles::flat::FlatMemory;
+use saarcor_model::vm::{HostAddr, Memory, Observed, Observer, Unit, WholeScene};
 
-/// The host's memory, which notes what is read.
-pub struct Noting<'a> {
-    memory: FlatMemory<'a>,
-    /// What was read, in order.
-    pub touched: Vec<(Unit, u32)>,
-}
+/// Notes what is read, in order.
+#[derive(Default)]
+struct Reads(Vec<(Unit, u32)>);
 
-impl<'a> Noting<'a> {
-    /// Nothing was read of `memory` yet.
-    #[must_use]
-    pub fn new(memory: &'a [u8]) -> Self {
-        Self { memory: FlatMemory::new(memory), touched: Vec::new() }
-    }
-}
-
-impl Memory for Noting<'_> {
-    fn read(&mut self, unit: Unit, addr: HostAddr, bytes: &mut [u8]) {
-        self.touched.push((unit, addr.0));
-        self.memory.read(unit, addr, bytes);
+impl Observer for Reads {
+    fn read(&mut self, unit: Unit, addr: HostAddr, _bytes: usize) {
+        self.0.push((unit, addr.0));
     }
 }
 
 /// What the model says of a ray: its hit, and what it reads.
 #[must_use]
 pub fn trace(memory: &[u8], scene: &Scene, ray: &Ray, query: Query) -> (Hits<1>, Vec<(Unit, u32)>) {
-    let mut noting = Noting::new(memory);
+    let mut memory = Observed { memory: WholeScene(memory), observer: Reads::default() };
     let packet = Packet::new([Some(*ray)]);
-    let hits = Traversal::default().run(&mut noting, &scene.registers, &packet, query);
-    (hits, noting.touched)
+    let hits = Traversal::default().run(&mut memory, &scene.registers, &packet, query);
+    (hits, memory.observer.0)
 }
 
 /// One step of a walk.
@@ -90,7 +77,7 @@ type Visit = (HostAddr, (f32, f32));
 #[must_use]
 pub fn steps(memory: &[u8], scene: &Scene, ray: &Ray) -> Vec<Step> {
     let mut steps = Vec::new();
-    let mut memory = FlatMemory::new(memory);
+    let mut memory = WholeScene(memory);
     let packet = Packet::new([Some(*ray)]);
     let mut hits = Hits::none(&packet);
     let reciprocals = reciprocals(scene, ray);

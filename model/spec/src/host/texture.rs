@@ -2,7 +2,7 @@
 //! Assumed): where their texels lie, how many of them a ray covers, and what it sees.
 
 use super::scene::{Image, TexelFormat};
-use crate::vm::{HostAddr, Memory, Unit};
+use crate::vm::{HostAddr, Memory, Observed, Observer, Unit};
 use glam::{Vec2, Vec3};
 
 /// Where an image lies and how large it is, as a material names it. Behind its texels lie those of
@@ -131,7 +131,7 @@ impl Footprint {
 
 /// Reads the texel in `column` and `row`.
 fn texel<const BYTES: usize>(
-    memory: &mut impl Memory,
+    memory: &mut Observed<impl Memory, impl Observer>,
     image: ImageRecord,
     column: u32,
     row: u32,
@@ -141,7 +141,12 @@ fn texel<const BYTES: usize>(
 
 /// The colour of a texture at `uv` for a ray that covers `area` of the square of texture coordinates:
 /// bilinear interpolation in one level (SH-2, SH-6).
-pub fn sample_colour(memory: &mut impl Memory, image: ImageRecord, uv: Vec2, area: f32) -> Vec3 {
+pub fn sample_colour(
+    memory: &mut Observed<impl Memory, impl Observer>,
+    image: ImageRecord,
+    uv: Vec2,
+    area: f32,
+) -> Vec3 {
     const BYTES: usize = TexelFormat::Rgba8.texel_bytes() as usize;
     let image = image.level(image.level_seen(area), TexelFormat::Rgba8);
     let Footprint { columns, rows, fraction } = Footprint::new(image, uv);
@@ -158,7 +163,13 @@ pub fn sample_colour(memory: &mut impl Memory, image: ImageRecord, uv: Vec2, are
 /// The slope, to the right and upwards, of a bump map whose 1.0 is `height` texels high: between
 /// the four texels around `uv`, texels being square (SH-2), in the level that a ray sees which
 /// covers `area` of the square of texture coordinates (SH-6).
-pub fn sample_slope(memory: &mut impl Memory, map: ImageRecord, height: f32, uv: Vec2, area: f32) -> Vec2 {
+pub fn sample_slope(
+    memory: &mut Observed<impl Memory, impl Observer>,
+    map: ImageRecord,
+    height: f32,
+    uv: Vec2,
+    area: f32,
+) -> Vec2 {
     const BYTES: usize = TexelFormat::Height8.texel_bytes() as usize;
     let level = map.level_seen(area);
     let map = map.level(level, TexelFormat::Height8);
@@ -193,7 +204,7 @@ mod tests {
 
     #[test]
     fn texels_are_met_at_their_centres_with_v_upwards() {
-        let at = |u, v| sample_colour(&mut Texels, IMAGE, Vec2::new(u, v), 0.0);
+        let at = |u, v| sample_colour(&mut Observed::by_nobody(Texels), IMAGE, Vec2::new(u, v), 0.0);
         assert_eq!(at(0.25, 0.75), Vec3::ZERO);
         assert_eq!(at(0.75, 0.75), Vec3::X);
         assert_eq!(at(0.25, 0.25), Vec3::Y);
@@ -203,7 +214,7 @@ mod tests {
 
     #[test]
     fn images_tile() {
-        let at = |u, v| sample_colour(&mut Texels, IMAGE, Vec2::new(u, v), 0.0);
+        let at = |u, v| sample_colour(&mut Observed::by_nobody(Texels), IMAGE, Vec2::new(u, v), 0.0);
         assert_eq!(at(-3.75, 5.75), at(0.25, 0.75));
         // Half way between the last column and the first of the next tile.
         assert_eq!(at(1.0, 0.75), Vec3::X / 2.0);
@@ -214,7 +225,7 @@ mod tests {
 
     #[test]
     fn a_wide_ray_sees_a_coarse_level() {
-        let at = |area| sample_colour(&mut Texels, IMAGE, Vec2::new(0.75, 0.75), area);
+        let at = |area| sample_colour(&mut Observed::by_nobody(Texels), IMAGE, Vec2::new(0.75, 0.75), area);
         assert_eq!(at(0.49), Vec3::X);
         for wide in [0.5, 1.0, 1e30, f32::INFINITY, f32::NAN] {
             assert_eq!(at(wide), Vec3::splat(0.2));

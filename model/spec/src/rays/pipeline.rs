@@ -6,7 +6,7 @@ use super::ray::{Packet, Query, Ray};
 use super::shading::{BACKGROUND, Cones, Surface, surfaces};
 use super::traversal::Traversal;
 use crate::host::{Features, Light, Registers};
-use crate::vm::{Memory, Unit};
+use crate::vm::{Memory, Observed, Observer, Unit};
 use glam::Vec3;
 
 /// Rays that were traced, by kind.
@@ -65,14 +65,14 @@ impl<const N: usize> Pipeline<N> {
     /// [`Frame::pixels`].
     pub fn render(
         &mut self,
-        memory: &mut impl Memory,
+        memory: &mut Observed<impl Memory, impl Observer>,
         registers: &Registers,
         frame: &Frame,
         packet: u32,
     ) -> [Vec3; N] {
         let packet = frame.primary_packet(packet);
         self.rays.primary += u64::from(packet.active());
-        memory.issue(Unit::Shading, || packet.active());
+        memory.operation(Unit::Shading, packet.active());
         let cones = Cones { spread: frame.pixel_width(), begin: [0.0; N] };
         self.shade(memory, registers, &packet, &cones, &[1.0; N], 0)
     }
@@ -80,7 +80,7 @@ impl<const N: usize> Pipeline<N> {
     /// The colours that the rays of `packet` see, each of which is a `part` of its pixel's light.
     fn shade(
         &mut self,
-        memory: &mut impl Memory,
+        memory: &mut Observed<impl Memory, impl Observer>,
         registers: &Registers,
         packet: &Packet<N>,
         cones: &Cones<N>,
@@ -105,7 +105,7 @@ impl<const N: usize> Pipeline<N> {
                     continue;
                 }
                 self.rays.secondary += u64::from(rays);
-                memory.issue(Unit::Shading, || rays);
+                memory.operation(Unit::Shading, rays);
                 let begin = surfaces.map(|surface| surface.map_or(0.0, |surface| surface.distance));
                 let cones = Cones { begin, ..*cones };
                 let seen = self.shade(memory, registers, &next, &cones, &next_part, bounces + 1);
@@ -124,7 +124,7 @@ impl<const N: usize> Pipeline<N> {
     /// reaches. Each hit sends one shadow ray a light (RG-5, Assumed).
     fn own_colours(
         &mut self,
-        memory: &mut impl Memory,
+        memory: &mut Observed<impl Memory, impl Observer>,
         registers: &Registers,
         surfaces: &[Option<Surface>; N],
     ) -> [Vec3; N] {
@@ -140,7 +140,7 @@ impl<const N: usize> Pipeline<N> {
                 return colours;
             }
             self.rays.shadow += u64::from(rays);
-            memory.issue(Unit::Shading, || rays);
+            memory.operation(Unit::Shading, rays);
             let hits = self.traversal.run(memory, registers, &shadow, Query::Any);
             for (lane, surface) in surfaces.iter().enumerate() {
                 if let Some(surface) = surface.filter(|_| !hits.is_hit(lane)) {

@@ -6,7 +6,7 @@
 
 use super::ray::{Hits, Packet};
 use crate::host::{Features, Light, MaterialRecord, Registers, ShadingRecord, sample_colour, sample_slope};
-use crate::vm::{HostAddr, Memory, Unit};
+use crate::vm::{HostAddr, Memory, Observed, Observer, Unit};
 use glam::{Vec2, Vec3};
 
 /// Part of a surface's colour that does not depend on lights (SH-3, Assumed).
@@ -53,7 +53,7 @@ pub struct Cones<const N: usize> {
 /// The material and the shading record of a triangle are read once for all rays of the packet
 /// that hit it; texels are read for each ray.
 pub fn surfaces<const N: usize>(
-    memory: &mut impl Memory,
+    memory: &mut Observed<impl Memory, impl Observer>,
     registers: &Registers,
     packet: &Packet<N>,
     hits: &Hits<N>,
@@ -66,7 +66,7 @@ pub fn surfaces<const N: usize>(
             continue;
         }
         let triangle = hits.triangle[first];
-        memory.issue(Unit::Shading, || hits.triangle.iter().filter(|&&hit| hit == triangle).count() as u32);
+        memory.operation(Unit::Shading, hits.triangle.iter().filter(|&&hit| hit == triangle).count() as u32);
         let (record, material) = read_records(memory, registers, HostAddr(triangle));
         for lane in first..N {
             if pending[lane] && hits.triangle[lane] == triangle {
@@ -89,7 +89,7 @@ pub fn surfaces<const N: usize>(
 
 /// Reads what is known of the triangle at `triangle`.
 fn read_records(
-    memory: &mut impl Memory,
+    memory: &mut Observed<impl Memory, impl Observer>,
     registers: &Registers,
     triangle: HostAddr,
 ) -> (ShadingRecord, MaterialRecord) {
@@ -118,7 +118,7 @@ struct Seen {
 
 /// The surface that a ray meets.
 fn surface(
-    memory: &mut impl Memory,
+    memory: &mut Observed<impl Memory, impl Observer>,
     record: &ShadingRecord,
     material: &MaterialRecord,
     seen: &Seen,

@@ -11,7 +11,7 @@
 use super::intersection::Prepared;
 use super::ray::{Hits, Packet, Query};
 use crate::host::{Axis, LIST_ENTRY_BYTES, ListEntry, MAX_DEPTH, NODE_BYTES, NodeRecord, Registers};
-use crate::vm::{HostAddr, Memory, Unit};
+use crate::vm::{HostAddr, Memory, Observed, Observer, Unit};
 
 /// Relative width by which a distance to a plane is widened to each side: 2 γ(3). The first γ(3) is
 /// the error of the distance. Of the second one u is for the rounding of the widening itself, and
@@ -266,7 +266,7 @@ impl<const N: usize> Traversal<N> {
     /// If the tree in memory is deeper than [`MAX_DEPTH`]: no valid one is (KD-2).
     pub fn run(
         &mut self,
-        memory: &mut impl Memory,
+        memory: &mut Observed<impl Memory, impl Observer>,
         registers: &Registers,
         packet: &Packet<N>,
         query: Query,
@@ -281,7 +281,7 @@ impl<const N: usize> Traversal<N> {
                 continue;
             }
             let (list, count) = loop {
-                memory.issue(Unit::Traversal, || at.intervals.count());
+                memory.operation(Unit::Traversal, at.intervals.count());
                 match NodeRecord::decode(memory.fetch(Unit::Traversal, at.node)) {
                     NodeRecord::Inner { axis, split, below } => {
                         self.descend(packet, &reciprocal, &mut at, axis, split, below);
@@ -290,10 +290,10 @@ impl<const N: usize> Traversal<N> {
                 }
             };
             for entry in 0..count {
-                memory.issue(Unit::List, || at.intervals.count());
+                memory.operation(Unit::List, at.intervals.count());
                 let entry = memory.fetch(Unit::List, list.offset(entry * LIST_ENTRY_BYTES));
                 let ListEntry { triangle, tag } = ListEntry::decode(entry);
-                memory.issue(Unit::Intersection, || at.intervals.count());
+                memory.operation(Unit::Intersection, at.intervals.count());
                 Prepared::decode(registers.kernel, tag, memory.fetch(Unit::Intersection, triangle))
                     .intersect_packet(
                         triangle.0,

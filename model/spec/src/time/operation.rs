@@ -4,7 +4,7 @@
 //! run writes down the operations of each packet once, and the timing run ([`chip`](crate::time::chip))
 //! plays them against any memory system.
 
-use crate::vm::{HostAddr, Memory, Unit};
+use crate::vm::{HostAddr, Observer, Unit};
 use std::sync::Arc;
 
 /// One step of a packet: a unit reads, and works for some rays (CH-1). 8 bytes.
@@ -68,23 +68,15 @@ impl Programs {
     }
 }
 
-/// A memory that writes down what is read through it.
-#[derive(Clone, Debug)]
-pub struct Recorder<M> {
-    /// Where the bytes come from.
-    pub below: M,
+/// An observer that writes down the program of a packet.
+#[derive(Clone, Debug, Default)]
+pub struct Recorder {
     operations: Vec<Operation>,
     /// An operation that has begun and has read nothing yet.
     begun: Option<Operation>,
 }
 
-impl<M> Recorder<M> {
-    /// A recorder in front of `below` that has seen nothing.
-    #[must_use]
-    pub fn new(below: M) -> Self {
-        Self { below, operations: Vec::new(), begun: None }
-    }
-
+impl Recorder {
     /// The operations since the last call: the program of a packet.
     pub fn take(&mut self) -> Program {
         self.operations.extend(self.begun.take());
@@ -94,18 +86,15 @@ impl<M> Recorder<M> {
     }
 }
 
-impl<M: Memory> Memory for Recorder<M> {
-    #[inline]
-    fn read(&mut self, unit: Unit, addr: HostAddr, bytes: &mut [u8]) {
-        let rays = self.begun.take().map_or(0, |begun| begun.rays);
-        self.operations.push(Operation { addr, bytes: bytes.len() as u16, rays, unit });
-        self.below.read(unit, addr, bytes);
+impl Observer for Recorder {
+    fn operation(&mut self, unit: Unit, rays: u32) {
+        self.operations.extend(self.begun.take());
+        self.begun = Some(Operation { addr: HostAddr(0), bytes: 0, rays: rays as u8, unit });
     }
 
-    #[inline]
-    fn issue(&mut self, unit: Unit, rays: impl FnOnce() -> u32) {
-        self.operations.extend(self.begun.take());
-        self.begun = Some(Operation { addr: HostAddr(0), bytes: 0, rays: rays() as u8, unit });
+    fn read(&mut self, unit: Unit, addr: HostAddr, bytes: usize) {
+        let rays = self.begun.take().map_or(0, |begun| begun.rays);
+        self.operations.push(Operation { addr, bytes: bytes as u16, rays, unit });
     }
 }
 
@@ -113,24 +102,16 @@ impl<M: Memory> Memory for Recorder<M> {
 mod tests {
     use super::*;
 
-    struct Zeros;
-
-    impl Memory for Zeros {
-        fn read(&mut self, _: Unit, _: HostAddr, bytes: &mut [u8]) {
-            bytes.fill(0);
-        }
-    }
-
     #[test]
     fn reads_belong_to_the_operation_that_began() {
-        let mut recorder = Recorder::new(Zeros);
-        recorder.issue(Unit::Shading, || 64);
-        recorder.issue(Unit::Traversal, || 60);
-        recorder.read(Unit::Traversal, HostAddr(8), &mut [0; 8]);
-        recorder.issue(Unit::Shading, || 7);
-        recorder.read(Unit::Shading, HostAddr(100), &mut [0; 20]);
-        recorder.read(Unit::Shading, HostAddr(4), &mut [0; 4]);
-        recorder.issue(Unit::Shading, || 5);
+        let mut recorder = Recorder::default();
+        recorder.operation(Unit::Shading, 64);
+        recorder.operation(Unit::Traversal, 60);
+        recorder.read(Unit::Traversal, HostAddr(8), 8);
+        recorder.operation(Unit::Shading, 7);
+        recorder.read(Unit::Shading, HostAddr(100), 20);
+        recorder.read(Unit::Shading, HostAddr(4), 4);
+        recorder.operation(Unit::Shading, 5);
         let operation = |unit, addr, bytes, rays| Operation { addr: HostAddr(addr), bytes, rays, unit };
         let expected = [
             operation(Unit::Shading, 0, 0, 64),

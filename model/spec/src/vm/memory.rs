@@ -1,4 +1,4 @@
-//! The memory interface of §2: how every unit reads, whatever lies behind.
+//! The memory interface of §2: how every unit reads, whatever lies behind, and who watches it.
 
 use super::units::HostAddr;
 
@@ -16,43 +16,31 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// All ports, each at its own number.
+    /// All units, each at its own number.
     pub const ALL: [Self; 4] = [Self::Shading, Self::Traversal, Self::List, Self::Intersection];
 }
 
-/// What a unit reads from: flat memory, the virtual memory, or caches in front of either.
+/// What a unit reads from: the whole scene, the virtual memory, or caches in front of either.
 ///
-/// Transparency (VM-9) means that no unit can tell which: the bytes are the host's.
+/// Transparency (VM-9) means that the bytes are the host's, whatever lies between.
 pub trait Memory {
     /// Reads `bytes.len()` bytes at `addr`. Bytes beyond the end of host memory are zero.
     fn read(&mut self, unit: Unit, addr: HostAddr, bytes: &mut [u8]);
 
-    /// A packet operation of the unit at `unit` begins, in which `rays` rays take part. What the
-    /// unit reads before the next one begins belongs to it.
-    ///
-    /// Says what the work costs, and changes no bytes: only a [`Recorder`](crate::time::Recorder)
-    /// listens, and nobody else counts the rays.
-    #[inline]
-    fn issue(&mut self, _unit: Unit, _rays: impl FnOnce() -> u32) {}
-
     /// Reads `N` bytes at `addr`.
-    #[inline]
-    fn fetch<const N: usize>(&mut self, unit: Unit, addr: HostAddr) -> [u8; N] {
+    fn fetch<const N: usize>(&mut self, unit: Unit, addr: HostAddr) -> [u8; N]
+    where
+        Self: Sized,
+    {
         let mut bytes = [0; N];
         self.read(unit, addr, &mut bytes);
         bytes
     }
 }
 
-impl<M: Memory> Memory for &mut M {
-    #[inline]
+impl<M: Memory + ?Sized> Memory for &mut M {
     fn read(&mut self, unit: Unit, addr: HostAddr, bytes: &mut [u8]) {
         (**self).read(unit, addr, bytes);
-    }
-
-    #[inline]
-    fn issue(&mut self, unit: Unit, rays: impl FnOnce() -> u32) {
-        (**self).issue(unit, rays);
     }
 }
 
@@ -63,7 +51,6 @@ pub trait HostMemory {
 }
 
 impl<T: AsRef<[u8]>> HostMemory for T {
-    #[inline]
     fn read(&self, addr: HostAddr, bytes: &mut [u8]) {
         let rest = self.as_ref().get(addr.0 as usize..).unwrap_or_default();
         if let Some(all) = rest.get(..bytes.len()) {
@@ -75,32 +62,113 @@ impl<T: AsRef<[u8]>> HostMemory for T {
     }
 }
 
+/// The memory of a chip without virtual memory: the whole scene lies in on-board memory, each byte
+/// at its host address (§3: what the chip had before).
+#[derive(Clone, Copy, Debug)]
+pub struct WholeScene<H>(pub H);
+
+impl<H: HostMemory> Memory for WholeScene<H> {
+    fn read(&mut self, _unit: Unit, addr: HostAddr, bytes: &mut [u8]) {
+        self.0.read(addr, bytes);
+    }
+}
+
+/// What watches the units at work: a recorder, a counter, a debugger. It changes nothing.
+///
+/// An operation is what a unit does for a packet at once. What the unit reads before the next
+/// operation begins belongs to it.
+pub trait Observer {
+    /// An operation of `unit` begins, in which `rays` rays take part.
+    fn operation(&mut self, _unit: Unit, _rays: u32) {}
+
+    /// `unit` reads `bytes` bytes at `addr`.
+    fn read(&mut self, _unit: Unit, _addr: HostAddr, _bytes: usize) {}
+}
+
+/// Nobody watches.
+impl Observer for () {}
+
+impl<O: Observer + ?Sized> Observer for &mut O {
+    fn operation(&mut self, unit: Unit, rays: u32) {
+        (**self).operation(unit, rays);
+    }
+
+    fn read(&mut self, unit: Unit, addr: HostAddr, bytes: usize) {
+        (**self).read(unit, addr, bytes);
+    }
+}
+
+/// What the units work on: a memory, and an observer of what they do with it.
+#[derive(Clone, Copy, Debug)]
+pub struct Observed<M, O = ()> {
+    /// Where the bytes come from.
+    pub memory: M,
+    /// Who watches.
+    pub observer: O,
+}
+
+impl<M: Memory> Observed<M> {
+    /// A memory that nobody watches.
+    #[must_use]
+    pub fn by_nobody(memory: M) -> Self {
+        Self { memory, observer: () }
+    }
+}
+
+impl<M: Memory, O: Observer> Observed<M, O> {
+    /// An operation of `unit` begins, in which `rays` rays take part.
+    pub fn operation(&mut self, unit: Unit, rays: u32) {
+        self.observer.operation(unit, rays);
+    }
+
+    /// Reads `bytes.len()` bytes at `addr`.
+    pub fn read(&mut self, unit: Unit, addr: HostAddr, bytes: &mut [u8]) {
+        self.observer.read(unit, addr, bytes.len());
+        self.memory.read(unit, addr, bytes);
+    }
+
+    /// Reads `N` bytes at `addr`.
+    pub fn fetch<const N: usize>(&mut self, unit: Unit, addr: HostAddr) -> [u8; N] {
+        self.observer.read(unit, addr, N);
+        self.memory.fetch(unit, addr)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Flat memory, and the rays of all operations.
-    struct Flat(Vec<u8>, u32);
+    /// Writes down all it sees.
+    #[derive(Default)]
+    struct Log(Vec<(Unit, u32, usize)>);
 
-    impl Memory for Flat {
-        fn read(&mut self, _unit: Unit, addr: HostAddr, bytes: &mut [u8]) {
-            HostMemory::read(&self.0, addr, bytes);
+    impl Observer for Log {
+        fn operation(&mut self, unit: Unit, rays: u32) {
+            self.0.push((unit, rays, 0));
         }
 
-        fn issue(&mut self, _unit: Unit, rays: impl FnOnce() -> u32) {
-            self.1 += rays();
+        fn read(&mut self, unit: Unit, addr: HostAddr, bytes: usize) {
+            self.0.push((unit, addr.0, bytes));
         }
     }
 
-    fn a_unit(mut memory: impl Memory) -> [u8; 4] {
-        memory.issue(Unit::Traversal, || 5);
+    fn a_unit<M: Memory, O: Observer>(memory: &mut Observed<M, O>) -> [u8; 4] {
+        memory.operation(Unit::Traversal, 5);
         memory.fetch(Unit::Traversal, HostAddr(1))
     }
 
     #[test]
-    fn reference_to_a_memory_does_what_it_does() {
-        let mut memory = Flat(vec![1, 2, 3], 0);
-        assert_eq!(a_unit(&mut memory), [2, 3, 0, 0]);
-        assert_eq!(memory.1, 5);
+    fn bytes_beyond_the_end_are_zero() {
+        assert_eq!(a_unit(&mut Observed::by_nobody(WholeScene([1, 2, 3]))), [2, 3, 0, 0]);
+        assert_eq!(a_unit(&mut Observed::by_nobody(WholeScene([]))), [0; 4]);
+    }
+
+    #[test]
+    fn an_observer_sees_what_the_units_do() {
+        let (mut scene, mut log) = (WholeScene(vec![1, 2, 3]), Log::default());
+        // Behind references that hide the types, too.
+        let (memory, observer): (&mut dyn Memory, &mut dyn Observer) = (&mut scene, &mut log);
+        assert_eq!(a_unit(&mut Observed { memory, observer }), [2, 3, 0, 0]);
+        assert_eq!(log.0, [(Unit::Traversal, 5, 0), (Unit::Traversal, 1, 4)]);
     }
 }
