@@ -22,14 +22,14 @@ pub fn bytes<const N: usize>(s: &mut impl Source, name: &'static str, small: &'s
 pub fn data_set<S: Source, const WAYS: usize, const N: usize>(
     s: &mut S,
     policy: Policy,
-) -> Result<DataSet<WAYS, N>, Stop> {
-    let mut set = DataSet::empty(policy);
+) -> Result<DataSet<WAYS, [u8; N]>, Stop> {
+    let mut set = DataSet::empty(policy, [0; N]);
     set.set = draw::set_of::<S, WAYS>(s, policy)?;
     for way in 0..WAYS {
         if set.set.resident[way] {
             set.dirty[way] = draw::flag(s, "dirty");
         }
-        set.bytes[way] = bytes(s, "byte of a way", &BYTES[..1]);
+        set.contents[way] = bytes(s, "byte of a way", &BYTES[..1]);
     }
     Ok(set)
 }
@@ -44,14 +44,14 @@ struct Watched {
 
 /// Any watched line in any legal set: what it holds is what the cache holds, or else the memory
 /// behind; clean, both are the same.
-fn watched<S: Source>(s: &mut S, policy: Policy) -> Result<(DataSet<2, 2>, Watched), Stop> {
+fn watched<S: Source>(s: &mut S, policy: Policy) -> Result<(DataSet<2, [u8; 2]>, Watched), Stop> {
     let mut set = data_set::<S, 2, 2>(s, policy)?;
     let line = draw::line(s, &WORDS[..3]);
     let bytes = bytes::<2>(s, "watched byte", &BYTES[1..3]);
     let mut behind = bytes;
     for way in 0..2 {
         if set.set.resident[way] && set.set.lines[way] == line {
-            set.bytes[way] = bytes;
+            set.contents[way] = bytes;
             if set.dirty[way] {
                 behind = self::bytes(s, "byte behind", &BYTES[3..4]);
             }
@@ -61,11 +61,11 @@ fn watched<S: Source>(s: &mut S, policy: Policy) -> Result<(DataSet<2, 2>, Watch
 }
 
 /// What the cache and the memory behind together hold of the watched line.
-fn held(set: &DataSet<2, 2>, watched: &Watched) -> [u8; 2] {
+fn held(set: &DataSet<2, [u8; 2]>, watched: &Watched) -> [u8; 2] {
     let mut held = watched.behind;
     for way in 0..2 {
         if set.set.resident[way] && set.set.lines[way] == watched.line {
-            held = set.bytes[way];
+            held = set.contents[way];
         }
     }
     held
@@ -73,18 +73,18 @@ fn held(set: &DataSet<2, 2>, watched: &Watched) -> [u8; 2] {
 
 /// Uses `line`, and writes back what has to be.
 fn used(
-    set: &DataSet<2, 2>,
+    set: &DataSet<2, [u8; 2]>,
     policy: Policy,
     line: LineAddr,
     watched: &mut Watched,
     other: [u8; 2],
-) -> (DataSet<2, 2>, Outcome, bool) {
+) -> (DataSet<2, [u8; 2]>, Outcome, bool) {
     let behind = if line == watched.line { watched.behind } else { other };
     let (after, outcome, write_back) = set.access(line, policy, || behind);
-    if let Some(WriteBack { line, bytes }) = write_back
+    if let Some(WriteBack { line, contents }) = write_back
         && line == watched.line
     {
-        watched.behind = bytes;
+        watched.behind = contents;
     }
     (after, outcome, write_back.is_some())
 }
@@ -190,13 +190,13 @@ theorems! { "data_set";
         };
         let way = usize::from(way.0);
         let expected = match evicted {
-            Some(line) if before.dirty[way] => Some(WriteBack { line, bytes: before.bytes[way] }),
+            Some(line) if before.dirty[way] => Some(WriteBack { line, contents: before.contents[way] }),
             _ => None,
         };
         cover!(s, "dirty and evicted", expected.is_some());
         cover!(s, "clean and evicted", evicted.is_some() && expected.is_none());
         check_eq!(write_back, expected, "{policy:?}: {before:?}, miss {line:?}");
-        check!(!after.dirty[way] && after.bytes[way] == [9; 2], "{policy:?}: {before:?}, miss {line:?}: {after:?}");
+        check!(!after.dirty[way] && after.contents[way] == [9; 2], "{policy:?}: {before:?}, miss {line:?}: {after:?}");
     }
 
     /// After an invalidation the line is not there, and its bytes come from behind again; the

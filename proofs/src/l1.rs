@@ -8,11 +8,11 @@
 //! enough.
 
 use crate::data_set::data_set;
-use crate::draw::{self, BYTES, WORDS};
+use crate::draw::{self, BYTES, ENDS, WORDS};
 use crate::source::{Source, Stop};
 use crate::vm::{self, Watched};
 use crate::{assume, check, check_eq, cover, shown, theorems};
-use saarcor_model::vm::{DataSet, HostAddr, HostMemory, L1, LineAddr, Memory, Unit};
+use saarcor_model::vm::{DataSet, FirstLevel, HostAddr, HostMemory, LineAddr, Memory, Outcome, Policy, Unit};
 
 const SETS: usize = if cfg!(kani) { 1 } else { 2 };
 /// Bytes a line.
@@ -29,7 +29,7 @@ impl Memory for Below {
 
 /// Line and offset of the watched byte; none before the cached region.
 fn place<const WAYS: usize, const LINE: usize>(
-    l1: &L1<WAYS, LINE>,
+    l1: &FirstLevel<WAYS, [u8; LINE]>,
     watched: &Watched,
 ) -> Option<(LineAddr, usize)> {
     let place = watched.addr.checked_sub(l1.base.0)?;
@@ -42,11 +42,11 @@ fn place<const WAYS: usize, const LINE: usize>(
 fn l1<S: Source, const WAYS: usize, const SETS: usize, const LINE: usize>(
     s: &mut S,
     base: HostAddr,
-) -> Result<L1<WAYS, LINE>, Stop> {
+) -> Result<FirstLevel<WAYS, [u8; LINE]>, Stop> {
     let policy = draw::policy(s);
-    let mut l1 = L1::new(base, SETS, policy);
+    let mut l1 = FirstLevel::<WAYS, [u8; LINE]>::new(base, SETS, policy);
     for index in 0..SETS {
-        let mut set: DataSet<WAYS, LINE> = data_set::<S, WAYS, LINE>(s, policy)?;
+        let mut set: DataSet<WAYS, [u8; LINE]> = data_set::<S, WAYS, LINE>(s, policy)?;
         for way in 0..WAYS {
             // Any line of this set, by its upper bits.
             set.set.lines[way] = LineAddr(set.set.lines[way].0.wrapping_mul(SETS as u32) + index as u32);
@@ -60,7 +60,7 @@ fn l1<S: Source, const WAYS: usize, const SETS: usize, const LINE: usize>(
 
 /// Makes the watched byte, which lies at this place, right wherever it is in the cache.
 fn put_right<const WAYS: usize, const LINE: usize>(
-    l1: &mut L1<WAYS, LINE>,
+    l1: &mut FirstLevel<WAYS, [u8; LINE]>,
     (line, offset): (LineAddr, usize),
     watched: &Watched,
 ) {
@@ -68,7 +68,7 @@ fn put_right<const WAYS: usize, const LINE: usize>(
         let mut set = l1.sets[index];
         for way in 0..WAYS {
             if set.set.resident[way] && set.set.lines[way] == line {
-                set.bytes[way][offset] = watched.byte;
+                set.contents[way][offset] = watched.byte;
             }
         }
         l1.sets[index] = set;
@@ -77,7 +77,7 @@ fn put_right<const WAYS: usize, const LINE: usize>(
 
 /// Whether it is.
 fn is_right<const WAYS: usize, const LINE: usize>(
-    l1: &L1<WAYS, LINE>,
+    l1: &FirstLevel<WAYS, [u8; LINE]>,
     (line, offset): (LineAddr, usize),
     watched: &Watched,
 ) -> bool {
@@ -86,14 +86,14 @@ fn is_right<const WAYS: usize, const LINE: usize>(
         let set = l1.sets[index];
         for way in 0..WAYS {
             let there = set.set.resident[way] && set.set.lines[way] == line;
-            right &= !there || set.bytes[way][offset] == watched.byte;
+            right &= !there || set.contents[way][offset] == watched.byte;
         }
     }
     right
 }
 
 /// Whether that line is in the cache.
-fn holds<const WAYS: usize, const LINE: usize>(l1: &L1<WAYS, LINE>, line: LineAddr) -> bool {
+fn holds<const WAYS: usize, const LINE: usize>(l1: &FirstLevel<WAYS, [u8; LINE]>, line: LineAddr) -> bool {
     let mut found = false;
     for index in 0..l1.sets.len() {
         let set = l1.sets[index];
@@ -102,6 +102,14 @@ fn holds<const WAYS: usize, const LINE: usize>(l1: &L1<WAYS, LINE>, line: LineAd
         }
     }
     found
+}
+
+/// Whether a line begins where there are bytes.
+fn begins_within_the_address_space<const WAYS: usize, Line: Copy>(
+    l1: &FirstLevel<WAYS, Line>,
+    line: LineAddr,
+) -> bool {
+    u64::from(l1.base.0) + u64::from(line.0) * u64::from(l1.line_bytes) < 1 << 32
 }
 
 /// Where the cached region begins. Small scope: address 0 or 1.
@@ -127,8 +135,7 @@ theorems! { "l1";
         let Some(place) = place(&l1, &watched) else { return Ok(()) };
         put_right(&mut l1, place, &watched);
         let line = draw::line(s, &WORDS[..6]);
-        // The byte after the last of the last line has a number of its own.
-        assume!(line.0 < u32::MAX / LINE as u32);
+        assume!(begins_within_the_address_space(&l1, line));
         let (hit, was_there) = (holds(&l1, line), holds(&l1, place.0));
         cover!(s, "found", hit && line == place.0);
         cover!(s, "loaded", !hit && line == place.0);
@@ -140,7 +147,7 @@ theorems! { "l1";
             check_eq!(bytes[place.1], watched.byte, "byte {} of {line:?} through {state:?}", place.1);
         }
         check!(is_right(&l1, place, &watched), "{line:?} used in {state:?}: byte {} of {:?} in {l1:?}", place.1, place.0);
-        check_eq!((l1.hits, l1.misses), (u64::from(hit), u64::from(!hit)), "{line:?} used in {state:?}");
+        check_eq!((l1.counters.hits(), l1.counters.misses), (u64::from(hit), u64::from(!hit)), "{line:?} used in {state:?}");
         for index in 0..SETS {
             check!(l1.sets[index].is_valid(l1.policy), "{line:?} used in {state:?}: {l1:?}");
         }
@@ -173,9 +180,66 @@ theorems! { "l1";
         check_eq!(bytes[back as usize], watched.byte, "byte {back} of 4 at {start:?} through {state:?}");
     }
 
+    /// The lines of a read are exactly those of which it has a byte, up to the last byte of the address
+    /// space; and the bytes of a line are as many as a line has, from where it begins.
+    // Lines of one byte have the most numbers. Kani takes two bytes beside: see above.
+    #["L1-1", unwind 5, covers ["a line of the read", "another line", "the end of the address space", "bytes below the base"]]
+    fn l1_lines_of_a_read_are_those_that_it_meets(s) {
+        let base = base(s);
+        let (addr, len) = (draw::addr(s, &ENDS), s.value("bytes", 0..=u64::MAX, &[0, 1, 2, 5, u64::MAX]));
+        let (start, end) = (u64::from(addr.0), u64::from(addr.0).saturating_add(len).min(1 << 32));
+        let line = draw::line(s, &[0, 1, 2, u32::MAX / 3, u32::MAX - 1, u32::MAX]);
+        for line_bytes in [1, if cfg!(kani) { 2 } else { LINE as u32 }] {
+            let l1 = FirstLevel::<1, ()>::new(base, line_bytes, 1, Policy::Lru);
+            if begins_within_the_address_space(&l1, line) {
+                let first = u64::from(base.0) + u64::from(line.0) * u64::from(line_bytes);
+                let last = (first + u64::from(line_bytes) - 1).min(u64::from(u32::MAX));
+                let meets = start < end && first < end && start <= last;
+                cover!(s, "a line of the read", meets);
+                cover!(s, "another line", !meets);
+                cover!(s, "the end of the address space", meets && last == u64::from(u32::MAX));
+                cover!(s, "bytes below the base", meets && addr.0 < base.0);
+                let lines = l1.lines_of(addr, len);
+                check_eq!(lines.contains(&u64::from(line.0)), meets, "{line:?} of {line_bytes} bytes from {base:?}, {len} bytes at {addr:?}: in {lines:?}");
+                check_eq!(l1.bytes_of(line), first..last + 1, "{line:?} of {line_bytes} bytes from {base:?}");
+            }
+        }
+    }
+
+    /// The first-level cache of the chip in time, which keeps no bytes, does what the one with bytes
+    /// does: same outcome, same lines, same counters.
+    #["L1-1", unwind 6, covers ["hit", "miss", "invalidated"]]
+    fn l1_without_bytes_decides_like_the_one_with_bytes(s) {
+        let base = base(s);
+        let mut with = l1::<S, 2, SETS, LINE>(s, base)?;
+        let mut without = FirstLevel::<2, ()>::new(base, LINE as u32, SETS, with.policy);
+        for index in 0..SETS {
+            without.sets[index].set = with.sets[index].set;
+        }
+        let line = draw::line(s, &WORDS[..6]);
+        let state = shown!(with.clone());
+        check_eq!(without.is_resident(line), holds(&with, line), "{line:?} resident in {state:?}");
+        if draw::flag(s, "access") {
+            let outcome = with.access(line, || [7; LINE]);
+            cover!(s, "hit", matches!(outcome, Outcome::Hit { .. }));
+            cover!(s, "miss", matches!(outcome, Outcome::Miss { .. }));
+            check_eq!(without.access(line, || ()), outcome, "{line:?} used in {state:?}");
+        } else {
+            let (addr, len) = (draw::addr(s, &[0, 1, 3, 5, 8]), s.value("bytes", 0..=u64::MAX, &[0, 1, 3, 4, u64::MAX]));
+            with.invalidate(addr, len);
+            without.invalidate(addr, len);
+            cover!(s, "invalidated", with.counters.invalidated > 0);
+        }
+        check_eq!(without.counters, with.counters, "{line:?} in {state:?}");
+        for index in 0..SETS {
+            check_eq!(without.sets[index].set, with.sets[index].set, "{line:?} in {state:?}: set {index}");
+        }
+    }
+
     /// An invalidation of a range forgets every line of the cache that meets it, and no other.
     #["L1-2", unwind 5, covers ["in the range", "beside it", "before the region"]]
     fn l1_invalidation_forgets_exactly_the_range(s) {
+        const LINE: usize = if cfg!(kani) { 2 } else { self::LINE };
         let base = base(s);
         let mut l1 = l1::<S, 2, SETS, LINE>(s, base)?;
         let (addr, len) = (draw::addr(s, &[0, 1, 3, 5, 8]), s.value("bytes", 0..=u64::MAX, &[0, 1, 3, 4, u64::MAX]));
@@ -188,6 +252,7 @@ theorems! { "l1";
                 let (was, is) = (state.sets[set].set, l1.sets[set].set);
                 let first = u64::from(l1.base.0) + u64::from(was.lines[way].0) * LINE as u64;
                 let meets = start < end && first < end && start < first + LINE as u64;
+                assume!(!was.resident[way] || begins_within_the_address_space(&state, was.lines[way]));
                 cover!(s, "in the range", was.resident[way] && meets);
                 cover!(s, "beside it", was.resident[way] && !meets);
                 check_eq!(is.resident[way], was.resident[way] && !meets, "{len} bytes at {addr:?} of {state:?}: set {set} way {way}");

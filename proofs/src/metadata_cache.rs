@@ -65,12 +65,12 @@ fn version_b<S: Source, const GRANULE: usize>(
     let dirty = resident && draw::flag(s, "dirty");
     let stale = s.value("old byte on the card", 0..=u8::MAX, &BYTES[..1]);
     // Kani likes arrays better than vectors.
-    let mut cache = DataSet::empty(Policy::Lru);
+    let mut cache = DataSet::empty(Policy::Lru, [0; GRANULE]);
     (cache.set.lines[0], cache.set.resident[0], cache.dirty[0]) = (LineAddr(cached as u32), resident, dirty);
     let mut card = *truth;
     for i in 0..granules(GRANULE) * GRANULE {
         if i / GRANULE == cached {
-            cache.bytes[0][i % GRANULE] = truth[i];
+            cache.contents[0][i % GRANULE] = truth[i];
             card[i] = if dirty { stale } else { truth[i] };
         }
     }
@@ -93,7 +93,7 @@ fn holds<const GRANULE: usize>(b: &B<GRANULE>, truth: &[u8; MOST_BYTES]) -> bool
     let mut same = cache.is_valid(b.granules) && (!resident || cached < granules(GRANULE));
     for i in 0..granules(GRANULE) * GRANULE {
         let here = resident && i / GRANULE == cached;
-        same &= !here || cache.bytes[0][i % GRANULE] == truth[i];
+        same &= !here || cache.contents[0][i % GRANULE] == truth[i];
         same &= here && cache.dirty[0] || card[i] == truth[i];
     }
     same
@@ -243,7 +243,7 @@ theorems! { "metadata_cache";
         let bit = s.value("bit", 0..=last, small) as usize;
         let cache = &mut b.cache[0];
         let in_cache = cache.set.resident[0] && cache.set.lines[0].0 == 0;
-        let place = if in_cache { &mut cache.bytes[0][bit / 8] } else { &mut b.card[bit / 8] };
+        let place = if in_cache { &mut cache.contents[0][bit / 8] } else { &mut b.card[bit / 8] };
         *place ^= 1 << (bit % 8);
         cover!(s, "in the metadata cache", in_cache);
         cover!(s, "on the card", !in_cache);

@@ -9,8 +9,8 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{TestCaseError, TestRunner};
 use saarcor_model::vm::{
-    Bytes, CacheConfig, CachedMetadata, Counters, Directory, FirstLevel, Geometry, HostAddr, L1Sizes,
-    LineAddr, Memory, Policy, Unit, VirtualMemory,
+    Bytes, CacheConfig, CachedMetadata, Counters, Directory, FirstLevelCaches, Geometry, HostAddr, LineAddr,
+    Memory, Policy, Unit, VirtualMemory,
 };
 use saarcor_oracles::cache::{NaiveCache, NaiveVirtualMemory};
 use saarcor_oracles::flat::FlatMemory;
@@ -159,8 +159,7 @@ fn play<const WAYS: usize>(
     // The whole of it: first-level caches of a few sets, over version B with a small metadata cache.
     let version_b = CachedMetadata::<WAYS, 4, 16>::new(&config, 2, Policy::Lru);
     let below = VirtualMemory::new(Directory::over(config, version_b), image.to_vec());
-    let sizes = L1Sizes { shading: 1, nodes: 4, lists: 2, triangles: 2 };
-    let mut hierarchy = FirstLevel::new(sizes, config.policy, HostAddr(50), below);
+    let mut hierarchy = FirstLevelCaches::new([1, 4, 2, 2], config.policy, HostAddr(50), below);
     let mut coherent = true;
     for step in steps {
         let (Step::Read { place, .. }

@@ -35,12 +35,12 @@ pub trait Tags: Send {
 pub struct Log(Vec<Moved>);
 
 impl<const GRANULE: usize> Watch<GRANULE> for Log {
-    fn granule(&mut self, granule: LineAddr, outcome: Outcome, write_back: Option<WriteBack<GRANULE>>) {
+    fn granule(&mut self, granule: LineAddr, outcome: Outcome, write_back: Option<WriteBack<[u8; GRANULE]>>) {
         self.0.push(match outcome {
             Outcome::Hit { .. } => Moved::Found(granule.0),
             Outcome::Miss { .. } => Moved::Read(granule.0),
         });
-        self.0.extend(write_back.map(|back| Moved::WrittenBack(back.line.0, back.bytes.to_vec())));
+        self.0.extend(write_back.map(|back| Moved::WrittenBack(back.line.0, back.contents.to_vec())));
     }
 
     fn corrupt(&mut self) {}

@@ -92,7 +92,7 @@ fn place<const WAYS: usize, M: Metadata<WAYS>>(directory: &mut Directory<WAYS, M
 pub struct MovingMetadata<const WAYS: usize> {
     sets: OnChip<WAYS>,
     /// Which granules the metadata cache holds, and which of them have changed.
-    cache: Vec<DataSet<CHIP_CACHE_WAYS, 0>>,
+    cache: Vec<DataSet<CHIP_CACHE_WAYS, ()>>,
     granule: usize,
     moves: Vec<Move>,
 }
@@ -104,7 +104,7 @@ impl<const WAYS: usize> MovingMetadata<WAYS> {
     /// The metadata of an empty cache of lines, behind an empty metadata cache.
     #[must_use]
     pub fn new(config: &ChipConfig) -> Self {
-        let cache = vec![DataSet::empty(Policy::Lru); config.metadata_cache.sets() as usize];
+        let cache = vec![DataSet::empty(Policy::Lru, ()); config.metadata_cache.sets() as usize];
         let granule = config.metadata_cache.granule as usize;
         Self { sets: OnChip::new(&config.cache), cache, granule, moves: Vec::new() }
     }
@@ -122,8 +122,8 @@ impl<const WAYS: usize> MovingMetadata<WAYS> {
     fn use_granule(&mut self, granule: u32, change: bool) {
         let index = Hash::Low.set_of(LineAddr(granule), self.cache.len().ilog2());
         let cached = &mut self.cache[index.0 as usize];
-        let (next, outcome, write_back) = cached.access(LineAddr(granule), Policy::Lru, || []);
-        *cached = if change { next.write(outcome.way(), []) } else { next };
+        let (next, outcome, write_back) = cached.access(LineAddr(granule), Policy::Lru, || ());
+        *cached = if change { next.write(outcome.way(), ()) } else { next };
         if let Outcome::Miss { .. } = outcome {
             self.moves.push(Move { granule, direction: Direction::Read });
         }
@@ -153,7 +153,7 @@ impl<const WAYS: usize> Metadata<WAYS> for MovingMetadata<WAYS> {
 
     fn clear(&mut self) {
         self.sets.clear();
-        self.cache.fill(DataSet::empty(Policy::Lru));
+        self.cache.fill(DataSet::empty(Policy::Lru, ()));
     }
 }
 

@@ -1,37 +1,38 @@
-//! One set of a cache that holds the bytes of its lines: of a first-level cache, which is only
-//! read, and of the metadata cache of version B, which is written too and writes back (§3, §4).
+//! One set of a cache on the chip: of a first-level cache, which is only read, and of the metadata
+//! cache of version B, which is also written and writes back (§3, §4).
 
 use super::set::{Outcome, Policy, Set};
 use super::units::{LineAddr, Way};
 
-/// One set with the bytes of its lines, `BYTES` a line.
+/// One set with the contents of its lines.
 ///
+/// `Line` is what is kept of a line: its bytes, `[u8; N]`, or `()` where only the decisions matter.
 /// The fields are public and [`DataSet::is_valid`] says which values are legal, so that a proof
 /// can start from any legal state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DataSet<const WAYS: usize, const BYTES: usize> {
+pub struct DataSet<const WAYS: usize, Line> {
     /// Which line lies in which way.
     pub set: Set<WAYS>,
     /// Whether the line in each way has been written to since it was loaded.
     pub dirty: [bool; WAYS],
-    /// The bytes of the line in each way.
-    pub bytes: [[u8; BYTES]; WAYS],
+    /// The contents of the line in each way.
+    pub contents: [Line; WAYS],
 }
 
-/// A line that has to be written to the memory behind, because its way is needed.
+/// A dirty line that is evicted: it has to be written to the memory behind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct WriteBack<const BYTES: usize> {
+pub struct WriteBack<Line> {
     /// The line.
     pub line: LineAddr,
-    /// Its bytes.
-    pub bytes: [u8; BYTES],
+    /// Its contents.
+    pub contents: Line,
 }
 
-impl<const WAYS: usize, const BYTES: usize> DataSet<WAYS, BYTES> {
-    /// A set without lines.
+impl<const WAYS: usize, Line: Copy> DataSet<WAYS, Line> {
+    /// A set without lines, whose ways all hold `contents`, which nobody reads.
     #[must_use]
-    pub fn empty(policy: Policy) -> Self {
-        Self { set: Set::empty(policy), dirty: [false; WAYS], bytes: [[0; BYTES]; WAYS] }
+    pub fn empty(policy: Policy, contents: Line) -> Self {
+        Self { set: Set::empty(policy), dirty: [false; WAYS], contents: [contents; WAYS] }
     }
 
     /// The invariant: the set's own, and only resident lines are dirty.
@@ -39,42 +40,41 @@ impl<const WAYS: usize, const BYTES: usize> DataSet<WAYS, BYTES> {
     pub fn is_valid(&self, policy: Policy) -> bool {
         let mut valid = self.set.is_valid(policy);
         for way in 0..WAYS {
-            valid &= self.set.resident[way] | !self.dirty[way];
+            valid &= self.set.resident[way] || !self.dirty[way];
         }
         valid
     }
 
-    /// The step: uses `line`, whose bytes are `load`ed where it is not resident. A dirty line that
-    /// is evicted is handed over to be written back; a clean one is dropped.
+    /// The step: uses `line`, whose contents are `load`ed if it is not resident. A dirty line that
+    /// is evicted is returned to be written back; a clean one is dropped.
     ///
-    /// `load` is called before the write-back: the memory behind still has the evicted line's
-    /// old bytes, which are another line's.
+    /// `load` runs before the write-back. That is safe: it reads `line`, never the evicted line.
     #[must_use]
     pub fn access(
         &self,
         line: LineAddr,
         policy: Policy,
-        load: impl FnOnce() -> [u8; BYTES],
-    ) -> (Self, Outcome, Option<WriteBack<BYTES>>) {
+        load: impl FnOnce() -> Line,
+    ) -> (Self, Outcome, Option<WriteBack<Line>>) {
         let (set, outcome) = self.set.access(line, policy);
         let mut next = Self { set, ..*self };
         let mut write_back = None;
         if let Outcome::Miss { way, evicted } = outcome {
             let way = usize::from(way.0);
             if let (Some(line), true) = (evicted, self.dirty[way]) {
-                write_back = Some(WriteBack { line, bytes: self.bytes[way] });
+                write_back = Some(WriteBack { line, contents: self.contents[way] });
             }
-            next.bytes[way] = load();
+            next.contents[way] = load();
             next.dirty[way] = false;
         }
         (next, outcome, write_back)
     }
 
-    /// Writes the bytes of the resident line in `way`.
+    /// Replaces the contents of the resident line in `way`.
     #[must_use]
-    pub fn write(&self, way: Way, bytes: [u8; BYTES]) -> Self {
+    pub fn write(&self, way: Way, contents: Line) -> Self {
         let mut next = *self;
-        next.bytes[usize::from(way.0)] = bytes;
+        next.contents[usize::from(way.0)] = contents;
         next.dirty[usize::from(way.0)] = true;
         next
     }

@@ -15,7 +15,7 @@ use super::virtual_memory::{CacheConfig, Metadata};
 /// Is told what goes through the metadata cache.
 pub trait Watch<const GRANULE: usize> {
     /// A granule was asked for; for it another one may have been written back.
-    fn granule(&mut self, granule: LineAddr, outcome: Outcome, write_back: Option<WriteBack<GRANULE>>);
+    fn granule(&mut self, granule: LineAddr, outcome: Outcome, write_back: Option<WriteBack<[u8; GRANULE]>>);
 
     /// The metadata of a set was corrupt, and the set was taken for empty (VM-14).
     fn corrupt(&mut self);
@@ -35,7 +35,7 @@ pub struct MetadataTraffic {
 }
 
 impl<const GRANULE: usize> Watch<GRANULE> for MetadataTraffic {
-    fn granule(&mut self, _: LineAddr, outcome: Outcome, write_back: Option<WriteBack<GRANULE>>) {
+    fn granule(&mut self, _: LineAddr, outcome: Outcome, write_back: Option<WriteBack<[u8; GRANULE]>>) {
         self.accesses += 1;
         self.loads += u64::from(matches!(outcome, Outcome::Miss { .. }));
         self.write_backs += u64::from(write_back.is_some());
@@ -60,7 +60,7 @@ pub struct CachedMetadata<
     /// Replacement of granules (LRU Assumed).
     pub granules: Policy,
     /// The metadata cache; a power of two of sets, indexed by the granule's lower bits (Assumed).
-    pub cache: Vec<DataSet<META_WAYS, GRANULE>>,
+    pub cache: Vec<DataSet<META_WAYS, [u8; GRANULE]>>,
     /// The metadata in the on-board memory: whole granules.
     pub card: Vec<u8>,
     /// What went through the metadata cache.
@@ -99,7 +99,7 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, W: Watch<G
         let mut new = Self {
             lines: config.policy,
             granules,
-            cache: vec![DataSet::empty(granules); sets],
+            cache: vec![DataSet::empty(granules, [0; GRANULE]); sets],
             card: vec![0; bytes.next_multiple_of(GRANULE)],
             traffic: watch,
         };
@@ -133,7 +133,7 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, W: Watch<G
             let cached = self.cache[self.cached(granule)];
             let mut bytes = [0; GRANULE];
             match cached.set.way_of(granule) {
-                Some(way) => bytes = cached.bytes[usize::from(way.0)],
+                Some(way) => bytes = cached.contents[usize::from(way.0)],
                 None => bytes.copy_from_slice(&self.card[granule.0 as usize * GRANULE..][..GRANULE]),
             }
             for (i, byte) in entries.as_flattened_mut().iter_mut().enumerate() {
@@ -156,8 +156,8 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, W: Watch<G
             bytes
         });
         self.cache[cached] = next;
-        if let Some(WriteBack { line, bytes }) = write_back {
-            self.card[line.0 as usize * GRANULE..][..GRANULE].copy_from_slice(&bytes);
+        if let Some(WriteBack { line, contents }) = write_back {
+            self.card[line.0 as usize * GRANULE..][..GRANULE].copy_from_slice(&contents);
         }
         self.traffic.granule(granule, outcome, write_back);
         (cached, outcome.way())
@@ -201,7 +201,7 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, W: Watch<G
             if needed {
                 let (cached, way) = self.bring(granule);
                 let before = self.cache[cached];
-                let old = before.bytes[usize::from(way.0)];
+                let old = before.contents[usize::from(way.0)];
                 let bytes = std::array::from_fn(|i| changed[i].unwrap_or(old[i]));
                 self.cache[cached] = before.write(way, bytes);
             }
@@ -209,7 +209,7 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, W: Watch<G
     }
 
     fn clear(&mut self) {
-        self.cache.fill(DataSet::empty(self.granules));
+        self.cache.fill(DataSet::empty(self.granules, [0; GRANULE]));
         let empty = Set::<WAYS>::empty(self.lines).to_entries();
         for set in self.card.chunks_mut(Self::SET_BYTES) {
             set.copy_from_slice(&empty.as_flattened()[..set.len()]);

@@ -56,6 +56,15 @@ pub struct Counters {
 }
 
 impl Counters {
+    /// Counts one access.
+    pub fn count(&mut self, outcome: Outcome) {
+        self.accesses += 1;
+        if let Outcome::Miss { evicted, .. } = outcome {
+            self.misses += 1;
+            self.evictions += u64::from(evicted.is_some());
+        }
+    }
+
     /// Accesses that found their line resident.
     #[must_use]
     pub fn hits(&self) -> u64 {
