@@ -10,7 +10,8 @@ use anyhow::{Context, Result};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use saarcor_kit::vm::config::{Choices, HASHES, POLICIES, name_of, named};
 use saarcor_model::rays::Kernel;
-use saarcor_model::time::{CHIP_CACHE_WAYS, ChipConfig, PciConfig, SdramConfig, UNIT_NAMES, Version};
+use saarcor_model::time::standard::{self as numbers, CHIP_CACHE_WAYS};
+use saarcor_model::time::{ChipConfig, PciConfig, UNIT_NAMES, Version};
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy, Unit};
 use saarcor_scenes::kdbuild::{BuildOptions, SplitRule};
 use std::fmt;
@@ -293,19 +294,19 @@ pub struct ChipArgs {
     #[arg(long, value_parser = choice(BUSES), default_value = name_of(BUSES, &PciConfig::BITS_32_AT_33_MHZ))]
     pci: PciConfig,
     /// Ray tracing pipelines
-    #[arg(long, value_name = "N", default_value_t = 4)]
+    #[arg(long, value_name = "N", default_value_t = numbers::PIPELINES)]
     pipelines: u32,
     /// Threads a pipeline: packets in flight
-    #[arg(long, value_name = "N", default_value_t = 16)]
+    #[arg(long, value_name = "N", default_value_t = numbers::THREADS)]
     threads_per_rtp: u32,
     /// Size of the metadata cache of version b
-    #[arg(long, value_name = "SIZE", default_value_t = Size(Bytes(64 << 10)))]
+    #[arg(long, value_name = "SIZE", default_value_t = Size(Bytes(numbers::METADATA_CACHE_BYTES.into())))]
     metadata_cache: Size,
     /// Bytes of metadata that are read and written back together
-    #[arg(long, value_name = "SIZE", default_value_t = Size(Bytes(16)))]
+    #[arg(long, value_name = "SIZE", default_value_t = Size(Bytes(numbers::GRANULE.into())))]
     granule: Size,
     /// Banks of the on-board memory
-    #[arg(long, value_name = "N", default_value_t = SdramConfig::STANDARD.banks)]
+    #[arg(long, value_name = "N", default_value_t = numbers::BANKS)]
     banks: u32,
     /// Size of a first-level cache, such as intersection=576KiB [default: the paper's]
     #[arg(long, value_name = "UNIT=SIZE")]
@@ -314,10 +315,10 @@ pub struct ChipArgs {
     #[arg(long, value_name = "UNIT=SIZE")]
     l1_line: Vec<UnitSize>,
     /// Look-ups a cycle of each first-level cache
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = numbers::FIRST_LEVEL_PORTS)]
     l1_ports: u32,
     /// Lines that can be in flight to each first-level cache at a time
-    #[arg(long, value_name = "N", default_value_t = 16)]
+    #[arg(long, value_name = "N", default_value_t = numbers::FIRST_LEVEL_MSHRS)]
     mshrs: u32,
 }
 

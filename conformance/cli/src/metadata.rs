@@ -2,6 +2,7 @@
 
 use crate::args::Size;
 use crate::table::{Column, Table};
+use saarcor_model::time::standard;
 use saarcor_model::vm::{Bytes, ENTRY_BYTES, Geometry};
 use saarcor_oracles::paper::{self, MetadataExample};
 use serde::Serialize;
@@ -53,8 +54,9 @@ impl MetadataFacts {
 /// The paper's examples, computed.
 #[must_use]
 pub fn examples() -> Vec<MetadataFacts> {
-    let paper::Stated { metadata, l2, .. } = paper::stated();
-    let shape = |e: &MetadataExample| Geometry::new(Bytes(e.memory_bytes), Bytes(e.line_bytes), l2.ways);
+    let paper::Stated { metadata } = paper::stated();
+    let shape =
+        |e: &MetadataExample| Geometry::new(Bytes(e.memory_bytes), Bytes(e.line_bytes), standard::WAYS);
     metadata.examples.iter().filter_map(|e| shape(e).ok()).map(MetadataFacts::of).collect()
 }
 

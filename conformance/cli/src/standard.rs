@@ -2,45 +2,45 @@
 
 use anyhow::Result;
 use saarcor_model::rays::Pipeline;
-use saarcor_model::time::{CHIP_CACHE_WAYS, ChipConfig, Version};
+use saarcor_model::time::standard::{self, CHIP_CACHE_WAYS};
+use saarcor_model::time::{ChipConfig, Version};
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy, Unit};
 use saarcor_oracles::paper;
 
-/// Size of a picture in pixels (Assumed: the paper names none).
-pub const RESOLUTION: (u32, u32) = (1024, 768);
+pub use saarcor_model::time::standard::RESOLUTION;
 
 /// Reflections and refractions that may follow one another.
 pub const MAX_BOUNCES: u32 = Pipeline::<1>::STANDARD_BOUNCES;
-
-/// On-board memory of a scene that is none of the paper's: the least that Table 2 uses (Assumed).
-const MEMORY: Bytes = Bytes(8 << 20);
 
 /// On-board memory for a scene: for a built-in scene that of Table 2's caption.
 #[must_use]
 pub fn memory(scene: &str) -> Bytes {
     let family = paper::family(scene);
-    let stated = &paper::stated().l2.memory_bytes;
-    stated.iter().find(|(name, _)| name.eq_ignore_ascii_case(family)).map_or(MEMORY, |(_, &n)| Bytes(n))
+    let stated = standard::MEMORY_OF.iter().find(|(name, _)| name.eq_ignore_ascii_case(family));
+    stated.map_or(standard::MEMORY, |(_, memory)| *memory)
 }
 
 /// Size of a line (§3, Stated: found best).
 #[must_use]
 pub fn line() -> Bytes {
-    Bytes(paper::stated().l2.line_bytes)
+    standard::LINE
 }
 
 /// Ways of a set (§3, Stated).
 #[must_use]
 pub fn ways() -> u32 {
-    paper::stated().l2.ways
+    standard::WAYS
 }
 
 /// The triangle cache for a scene: the larger one for the Cruiser (§4, Stated).
 #[must_use]
 pub fn triangle_cache(scene: &str) -> Bytes {
-    let l1 = &paper::stated().l1;
-    let cruiser = paper::family(scene).eq_ignore_ascii_case("cruiser");
-    Bytes(if cruiser { l1.triangle_bytes_of_cruiser } else { l1.triangle_bytes })
+    let bytes = if paper::family(scene).eq_ignore_ascii_case("cruiser") {
+        standard::CRUISER_TRIANGLE_CACHE_BYTES
+    } else {
+        standard::FIRST_LEVEL_BYTES[Unit::Intersection as usize]
+    };
+    Bytes(bytes.into())
 }
 
 /// The virtual memory for a scene.

@@ -6,9 +6,9 @@
 
 use crate::cache::NaiveCache;
 use crate::metadata::{Moved, NaiveTags};
+use saarcor_model::time::standard::CHIP_CACHE_WAYS;
 use saarcor_model::time::{
-    CHIP_CACHE_WAYS, CacheReport, ChipConfig, Direction, Operation, Programs, Report, SdramConfig, Stall,
-    Version,
+    CacheReport, ChipConfig, Direction, Operation, Programs, Report, SdramConfig, Stall, Version,
 };
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, LineAddr, Outcome, Policy, Unit};
 use std::collections::VecDeque;

@@ -1,11 +1,10 @@
 //! The paper's figures as data: Schmittler, Leidinger, Slusallek, "A Virtual Memory Architecture
 //! for Real-Time Ray Tracing Hardware" (2003).
 //!
-//! Table 1, Table 2 and the values stated in the text stand in `paper/*.toml`, as printed. All are
+//! Table 1, Table 2 and the results stated in the text stand in `paper/*.toml`, as printed. All are
 //! Stated; the tests hold them to the relations that they have among each other.
 
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 /// Bytes in the paper's MB (Derived: §3 calls 5 × 2²⁴ / 128 bytes "640 KB", so its units are
@@ -66,90 +65,19 @@ pub struct LocalRun {
     pub mem_mb: f64,
 }
 
-/// The values that the text states outside the tables.
+/// The results that the text states outside the tables. The sizes and times that it states are those of
+/// [`standard`](saarcor_model::time::standard).
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stated {
-    /// The standard SaarCOR chip (§4).
-    pub chip: Chip,
-    /// The first-level caches (§4).
-    pub l1: L1,
-    /// The on-board memory chips (§4).
-    pub sdram: Sdram,
-    /// The on-board memory as a cache (§3, Table 2's caption).
-    pub l2: L2,
-    /// The metadata law and its two examples (§3).
+    /// The examples of the metadata law (§3).
     pub metadata: Metadata,
-    /// Version B's on-chip cache of metadata (§4).
-    pub metadata_cache: MetadataCache,
-    /// The system bus (§4).
-    pub pci: Pci,
-    /// The faster system bus, which "provided essentially the same performance" (§4).
-    pub fast_pci: Pci,
-}
-
-/// The standard SaarCOR chip (§4).
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Chip {
-    /// Ray tracing pipelines.
-    pub pipelines: u32,
-    /// Core clock, in Hz.
-    pub core_hz: u64,
-    /// Packets in flight a pipeline.
-    pub threads_a_pipeline: u32,
-}
-
-/// The first-level caches, one a unit type (§2, §4). Sizes in bytes.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct L1 {
-    /// Ways of each.
-    pub ways: u32,
-    /// For shading data.
-    pub shading_bytes: u64,
-    /// For kd-tree nodes.
-    pub node_bytes: u64,
-    /// For lists of triangle addresses.
-    pub list_bytes: u64,
-    /// For triangles.
-    pub triangle_bytes: u64,
-    /// All four.
-    pub total_bytes: u64,
-    /// For triangles, where the Cruiser was measured.
-    pub triangle_bytes_of_cruiser: u64,
-}
-
-/// The on-board memory chips (§4).
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Sdram {
-    /// Width of the bus.
-    pub bus_bits: u32,
-    /// Memory clock, in Hz.
-    pub hz: u64,
-    /// Theoretical bandwidth in GB/s, as printed.
-    pub printed_gb_a_second: u32,
-}
-
-/// The on-board memory as a cache.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct L2 {
-    /// Ways of a set (§3).
-    pub ways: u32,
-    /// The line size found best (§3).
-    pub line_bytes: u64,
-    /// Size for each family of scenes, by the name without suffixes (Table 2's caption).
-    pub memory_bytes: BTreeMap<String, u64>,
 }
 
 /// The metadata law (§3).
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Metadata {
-    /// Bytes a line.
-    pub entry_bytes: u64,
     /// The examples given.
     pub examples: Vec<MetadataExample>,
 }
@@ -168,28 +96,6 @@ pub struct MetadataExample {
     pub printed_percent: f64,
 }
 
-/// Version B's on-chip cache of metadata (§4).
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MetadataCache {
-    /// Ways of a set.
-    pub ways: u32,
-    /// Size.
-    pub bytes: u64,
-}
-
-/// A system bus (§4).
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Pci {
-    /// Width.
-    pub bus_bits: u32,
-    /// Clock, in Hz.
-    pub hz: u64,
-    /// Core clocks to load a line of 128 bytes, "roughly"; `None` where the paper names none.
-    pub line_cycles: Option<u32>,
-}
-
 /// The rows of Table 1, in the order of the paper.
 #[must_use]
 pub fn table1() -> &'static [Table1Row] {
@@ -206,7 +112,7 @@ pub fn table2() -> &'static [Table2Row] {
     &ROWS.row
 }
 
-/// The values that the text states outside the tables.
+/// The results that the text states outside the tables.
 #[must_use]
 pub fn stated() -> &'static Stated {
     static VALUES: LazyLock<Stated> =
@@ -229,6 +135,8 @@ pub fn family(scene: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use saarcor_model::time::standard;
+    use saarcor_model::vm::ENTRY_BYTES;
 
     fn rows_of(families: &'static [&str]) -> impl Iterator<Item = &'static Table2Row> {
         table2().iter().filter(move |row| families.contains(&family(&row.scene)))
@@ -259,7 +167,7 @@ mod tests {
                 _ => 3,
             };
             assert_eq!(hot_spots, expected, "{}", scene.scene);
-            assert!(stated().l2.memory_bytes.contains_key(family(&scene.scene)), "{}", scene.scene);
+            assert!(standard::MEMORY_OF.iter().any(|of| of.0 == family(&scene.scene)), "{}", scene.scene);
         }
         assert!(table2().iter().all(|row| table1().iter().any(|scene| scene.scene == row.scene)));
     }
@@ -299,41 +207,17 @@ mod tests {
         let metadata = &stated().metadata;
         assert_eq!(metadata.examples.len(), 2);
         for example in &metadata.examples {
-            let bytes = metadata.entry_bytes * example.memory_bytes / example.line_bytes;
+            let bytes = ENTRY_BYTES as u64 * example.memory_bytes / example.line_bytes;
             assert_eq!(bytes, example.metadata_bytes);
             let percent = 100.0 * bytes as f64 / example.memory_bytes as f64;
             assert_eq!((percent * 10.0).trunc() / 10.0, example.printed_percent);
         }
     }
 
-    #[test]
-    fn first_level_caches_sum_up() {
-        let l1 = stated().l1;
-        assert_eq!(l1.shading_bytes + l1.node_bytes + l1.list_bytes + l1.triangle_bytes, l1.total_bytes);
-        assert_eq!(l1.triangle_bytes_of_cruiser, 4 * l1.triangle_bytes);
-    }
-
-    #[test]
-    fn memory_bandwidth_is_the_printed_one() {
-        let Sdram { bus_bits, hz, printed_gb_a_second } = stated().sdram;
-        assert_eq!(u64::from(bus_bits / 8) * hz / 1_000_000_000, u64::from(printed_gb_a_second));
-    }
-
-    /// The stated 550 clocks hold 32 beats of 16 core clocks, and some to set the transfer up.
-    #[test]
-    fn pci_latency_holds_the_beats_of_a_line() {
-        let Stated { chip, l2, pci, .. } = stated();
-        let beats = l2.line_bytes * 8 / u64::from(pci.bus_bits);
-        let set_up =
-            f64::from(pci.line_cycles.expect("stated")) - (beats * chip.core_hz) as f64 / pci.hz as f64;
-        assert!((30.0..40.0).contains(&set_up), "{set_up}");
-    }
-
     /// One line each 550 clocks is the most that the bus can carry; the Cruiser comes nearest.
     #[test]
     fn pci_traffic_stays_below_the_bus() {
-        let Stated { chip, l2, pci, .. } = stated();
-        let ceiling = (l2.line_bytes * chip.core_hz) as f64 / f64::from(pci.line_cycles.expect("stated"));
+        let ceiling = (standard::LINE.0 * standard::CORE_HZ) as f64 / f64::from(standard::PCI_LINE_CYCLES);
         let bytes = |run: &VirtualRun| run.fps * run.pci_mb * MB as f64;
         let mut largest = (0.0, "");
         for row in table2() {

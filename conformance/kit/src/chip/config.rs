@@ -2,18 +2,30 @@
 //! it is the standard chip's.
 
 use crate::vm::config::{self, Choices, name_of, named};
-use saarcor_model::time::{CHIP_CACHE_WAYS, ChipConfig, Version};
-use saarcor_model::vm::HostAddr;
+use saarcor_model::time::standard::{self, CHIP_CACHE_WAYS};
+use saarcor_model::time::{ChipConfig, Version};
+use saarcor_model::vm::{CacheConfig, Geometry, Hash, HostAddr, Policy};
+use std::sync::LazyLock;
 
-/// The standard chip (CH-2, CH-3, CH-17, SD-1 to SD-5, PC-1): every key, in order.
-pub const STANDARD: &str = "pipelines=4 threads=16 \
-    s-rate=1 s-latency=16 s-line=64 s-sets=256 s-ports=1 s-look-up=2 s-mshrs=16 \
-    n-rate=4 n-latency=8 n-line=8 n-sets=2048 n-ports=1 n-look-up=2 n-mshrs=16 \
-    l-rate=64 l-latency=2 l-line=4 l-sets=4096 l-ports=1 l-look-up=2 l-mshrs=16 \
-    t-rate=1 t-latency=16 t-line=36 t-sets=1024 t-ports=1 t-look-up=2 t-mshrs=16 \
-    tag=4 return=4 version=a line=128 lines=65536 ways=4 hash=add-upper policy=lru granule=16 meta-sets=1024 \
-    clock=4 beat=16 banks=4 row=4096 cl=3 rcd=3 rp=3 rc=9 wr=2 refresh=2083 rfc=9 \
-    pci-setup=38 pci-beat=4 pci-clock=16 triangles=0 tolerance=0";
+/// Every key, in order.
+const KEYS: &str = "pipelines threads \
+    s-rate s-latency s-line s-sets s-ports s-look-up s-mshrs \
+    n-rate n-latency n-line n-sets n-ports n-look-up n-mshrs \
+    l-rate l-latency l-line l-sets l-ports l-look-up l-mshrs \
+    t-rate t-latency t-line t-sets t-ports t-look-up t-mshrs \
+    tag return version line lines ways hash policy granule meta-sets \
+    clock beat banks row cl rcd rp rc wr refresh rfc \
+    pci-setup pci-beat pci-clock triangles tolerance";
+
+/// The standard chip (CH-2, CH-3, CH-17, SD-1 to SD-5, PC-1): every key with its value, in order.
+pub static STANDARD: LazyLock<String> = LazyLock::new(|| {
+    let geometry = Geometry::new(standard::MEMORY, standard::LINE, standard::WAYS).expect("the paper's");
+    let cache = CacheConfig { geometry, hash: Hash::default(), policy: Policy::default() };
+    let chip = ChipConfig::standard(Version::A, cache);
+    let mut setting =
+        Setting { chip, meta_sets: chip.metadata_cache.sets(), triangles: HostAddr(0), tolerance: 0 };
+    keys().map(|key| format!("{key}={}", setting.value(key))).collect::<Vec<_>>().join(" ")
+});
 
 /// Versions by their names.
 const VERSIONS: Choices<Version> = &[("none", Version::None), ("a", Version::A), ("b", Version::B)];
@@ -45,6 +57,16 @@ impl Setting {
     #[must_use]
     pub fn is_sequential(&self) -> bool {
         self.chip.pipelines * self.chip.threads == 1
+    }
+
+    /// The value of a key.
+    fn value(&mut self, key: &str) -> String {
+        if let Some(number) = self.number(key) {
+            return number.to_string();
+        }
+        let cache = config::text(&self.chip.cache);
+        let of_cache = words(&cache).find(|(known, _)| *known == key).map(|(_, value)| value.to_owned());
+        of_cache.unwrap_or_else(|| name_of(VERSIONS, &self.chip.version).to_owned())
     }
 
     /// The number of a key.
@@ -100,7 +122,7 @@ fn words(text: &str) -> impl Iterator<Item = (&str, &str)> {
 
 /// The keys of a configuration.
 pub fn keys() -> impl Iterator<Item = &'static str> {
-    words(STANDARD).map(|(key, _)| key)
+    KEYS.split_ascii_whitespace()
 }
 
 /// What a configuration names.
@@ -108,7 +130,7 @@ pub fn keys() -> impl Iterator<Item = &'static str> {
 /// # Errors
 /// The key that is wrong, and what would be right.
 pub fn parse(text: &str) -> Result<Setting, String> {
-    let mut all: Vec<(&str, &str)> = words(STANDARD).collect();
+    let mut all: Vec<(&str, &str)> = words(&STANDARD).collect();
     let mut given = Vec::new();
     for (key, value) in words(text) {
         let known = all.iter_mut().find(|(known, _)| *known == key);
@@ -152,15 +174,11 @@ pub fn parse(text: &str) -> Result<Setting, String> {
 #[must_use]
 pub fn text(setting: &Setting) -> String {
     let mut setting = setting.clone();
-    let cache = config::text(&setting.chip.cache);
-    let version = name_of(VERSIONS, &setting.chip.version);
     let word = |(key, standard): (&str, &str)| {
-        let number = setting.number(key).map(|number| number.to_string());
-        let of_cache = || words(&cache).find(|(known, _)| *known == key).map(|(_, value)| value.to_owned());
-        let value = number.or_else(of_cache).unwrap_or_else(|| version.to_owned());
+        let value = setting.value(key);
         (value != standard).then(|| format!("{key}={value}"))
     };
-    one_at_least(words(STANDARD).filter_map(word))
+    one_at_least(words(&STANDARD).filter_map(word))
 }
 
 /// The words as a configuration, which names one key at least.
@@ -219,7 +237,7 @@ mod tests {
     fn standard_is_the_models() {
         let setting = parse("").expect("the standard chip");
         assert_eq!(setting.chip, ChipConfig::standard(Version::A, setting.chip.cache));
-        assert_eq!((text(&setting).as_str(), parse(STANDARD)), ("version=a", Ok(setting)));
+        assert_eq!((text(&setting).as_str(), parse(&STANDARD)), ("version=a", Ok(setting)));
         assert!(
             include_str!("../../../PROTOCOL.md")
                 .split_whitespace()

@@ -3,12 +3,13 @@
 use super::config::{Setting, UNITS};
 use crate::hex;
 use crate::vm::request::END_OF_ADDRESSES;
+use saarcor_model::time::standard::PACKET_RAYS;
 use saarcor_model::time::{CacheReport, Operation, Report};
 use saarcor_model::vm::{HostAddr, Unit};
 use std::fmt;
 
 /// Rays of a packet (RG-2).
-pub const RAYS: u8 = 64;
+pub const RAYS: u8 = PACKET_RAYS as u8;
 
 /// A request.
 #[derive(Clone, Debug, PartialEq, Eq)]

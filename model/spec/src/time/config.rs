@@ -2,6 +2,7 @@
 
 use super::pci::PciConfig;
 use super::sdram::SdramConfig;
+use super::standard::{self, CHIP_CACHE_WAYS};
 use crate::vm::{Bytes, CacheConfig, ENTRY_BYTES, Geometry, Hash, Policy};
 use std::fmt;
 
@@ -49,13 +50,10 @@ pub struct L1Config {
     pub mshrs: u32,
 }
 
-/// Ways of each first-level cache and of the metadata cache (§2, §4, Stated).
-pub const CHIP_CACHE_WAYS: usize = 4;
-
 /// The metadata cache of version B, of 4 ways and LRU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MetadataCacheConfig {
-    /// Bytes that it holds (§4: 64 KB, Stated).
+    /// Bytes that it holds.
     pub bytes: u32,
     /// Bytes that are read and written back together.
     pub granule: u32,
@@ -126,24 +124,32 @@ pub const MAX_COUNT: u32 = 64;
 pub const UNIT_NAMES: [&str; 4] = ["shading", "traversal", "list", "intersection"];
 
 impl ChipConfig {
-    /// The paper's chip (§4) with this virtual memory: 533 MHz, 4 pipelines of 16 threads, L1 caches
-    /// of 64, 64, 64 and 144 KB, a metadata cache of 64 KB, the slow bus. All latencies, rates, ports
-    /// and MSHRs are Assumed (CH-2, CH-3).
+    /// The paper's chip (§4) with this virtual memory and the slow bus, by the numbers of [`standard`].
     #[must_use]
     pub fn standard(version: Version, cache: CacheConfig) -> Self {
-        let unit = |rays_a_cycle, latency| UnitConfig { rays_a_cycle, latency };
-        let l1 = |line, sets| L1Config { line, sets, ports: 1, latency: 2, mshrs: 16 };
+        let unit = |unit: usize| UnitConfig {
+            rays_a_cycle: standard::RAYS_A_CYCLE[unit],
+            latency: standard::UNIT_LATENCY[unit],
+        };
+        let l1 = |unit: usize| L1Config {
+            line: standard::FIRST_LEVEL_LINE[unit],
+            sets: standard::first_level_sets(unit),
+            ports: standard::FIRST_LEVEL_PORTS,
+            latency: standard::FIRST_LEVEL_LATENCY,
+            mshrs: standard::FIRST_LEVEL_MSHRS,
+        };
+        let (bytes, granule) = (standard::METADATA_CACHE_BYTES, standard::GRANULE);
         Self {
-            core_hz: 533_000_000,
-            pipelines: 4,
-            threads: 16,
-            units: [unit(1, 16), unit(4, 8), unit(64, 2), unit(1, 16)],
-            l1: [l1(64, 256), l1(8, 2048), l1(4, 4096), l1(36, 1024)],
-            tag_latency: 4,
-            return_latency: 4,
+            core_hz: standard::CORE_HZ,
+            pipelines: standard::PIPELINES,
+            threads: standard::THREADS,
+            units: [0, 1, 2, 3].map(unit),
+            l1: [0, 1, 2, 3].map(l1),
+            tag_latency: standard::TAG_LATENCY,
+            return_latency: standard::RETURN_LATENCY,
             version,
             cache,
-            metadata_cache: MetadataCacheConfig { bytes: 64 << 10, granule: 16 },
+            metadata_cache: MetadataCacheConfig { bytes, granule },
             sdram: SdramConfig::STANDARD,
             pci: PciConfig::BITS_32_AT_33_MHZ,
         }

@@ -5,6 +5,7 @@ mod config;
 mod operation;
 mod pci;
 mod sdram;
+pub mod standard;
 mod tags;
 
 pub use chip::*;

@@ -1,6 +1,7 @@
 //! The bus to the host (§4) in time.
 
 use super::sdram::Span;
+use super::standard;
 
 /// Times of the bus, in core cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,10 +17,19 @@ pub struct PciConfig {
 impl PciConfig {
     /// 32 bit at 33 MHz (§4, Stated). A beat takes 533 / 33 = 16 cycles, and what remains of the 550
     /// that a line of 128 bytes takes is set-up (Derived).
-    pub const BITS_32_AT_33_MHZ: Self = Self { setup: 38, beat_bytes: 4, cycles_a_beat: 16 };
+    pub const BITS_32_AT_33_MHZ: Self = {
+        let beat_bytes = standard::PCI_BUS_BITS / 8;
+        let cycles_a_beat = (standard::CORE_HZ / standard::PCI_HZ) as u32;
+        let beats = standard::LINE.0 as u32 / beat_bytes;
+        Self { setup: standard::PCI_LINE_CYCLES - beats * cycles_a_beat, beat_bytes, cycles_a_beat }
+    };
 
     /// 64 bit at 66 MHz (§4, Stated), with the same set-up in core cycles (Assumed).
-    pub const BITS_64_AT_66_MHZ: Self = Self { setup: 38, beat_bytes: 8, cycles_a_beat: 8 };
+    pub const BITS_64_AT_66_MHZ: Self = Self {
+        setup: Self::BITS_32_AT_33_MHZ.setup,
+        beat_bytes: standard::FAST_PCI_BUS_BITS / 8,
+        cycles_a_beat: (standard::CORE_HZ / standard::FAST_PCI_HZ) as u32,
+    };
 
     /// Cycles of a transfer.
     ///

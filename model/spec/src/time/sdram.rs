@@ -4,6 +4,8 @@
 //! they come, and the rows of later ones are opened while the data of earlier ones move: so every
 //! time is known as soon as a request comes (SD-1 to SD-5).
 
+use super::standard;
+
 /// Sizes and times of the memory chips. Times are in memory clocks, if nothing else is said.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SdramConfig {
@@ -33,20 +35,19 @@ pub struct SdramConfig {
 }
 
 impl SdramConfig {
-    /// 128 bit at 133 MHz (§4, Stated), a quarter of the core's 533 MHz; the rest is Assumed: PC133
-    /// chips with CL3, tRCD 3, tRP 3, tRC 9, of 4 banks with rows of 4 KB, refreshed every 15.6 µs.
+    /// The paper's memory chips (§4), by the numbers of [`standard`].
     pub const STANDARD: Self = Self {
-        cycles_a_clock: 4,
-        beat_bytes: 16,
-        banks: 4,
-        row_bytes: 4096,
-        cas: 3,
-        ras_to_cas: 3,
-        precharge: 3,
-        row_cycle: 9,
-        write_recovery: 2,
-        refresh_interval: 2083,
-        refresh: 9,
+        cycles_a_clock: (standard::CORE_HZ / standard::SDRAM_HZ) as u32,
+        beat_bytes: standard::SDRAM_BUS_BITS / 8,
+        banks: standard::BANKS,
+        row_bytes: standard::ROW_BYTES,
+        cas: standard::CAS,
+        ras_to_cas: standard::RAS_TO_CAS,
+        precharge: standard::PRECHARGE,
+        row_cycle: standard::ROW_CYCLE,
+        write_recovery: standard::WRITE_RECOVERY,
+        refresh_interval: standard::REFRESH_INTERVAL,
+        refresh: standard::REFRESH,
     };
 
     /// Beats that `bytes > 0` bytes at `addr` touch.

@@ -1,8 +1,9 @@
 //! The bus manager's tags in time: the decisions of [`vm`](crate::vm::virtual_memory) and of
 //! [`metadata_cache`](crate::vm::version_b), and what they move, without the bytes.
 
-use super::config::{CHIP_CACHE_WAYS, ChipConfig, Version};
+use super::config::{ChipConfig, Version};
 use super::sdram::Direction;
+use super::standard::CHIP_CACHE_WAYS;
 use crate::vm::{
     DataSet, Directory, ENTRY_BYTES, Hash, HostAddr, LineAddr, Metadata, OnChip, Outcome, Policy, Set,
     SetIndex,

@@ -1,9 +1,10 @@
 //! Packets that leave in the caches what they read, and take no time.
 
 use super::{Cache, Chip, Found, Observer, Traffic};
-use crate::time::config::{CHIP_CACHE_WAYS, ChipConfig, ConfigError};
+use crate::time::config::{ChipConfig, ConfigError};
 use crate::time::operation::{Operation, Programs};
 use crate::time::sdram::{Direction, Span};
+use crate::time::standard::CHIP_CACHE_WAYS;
 use crate::time::tags::{Place, Tags};
 use crate::vm::{Directory, HostAddr, LineAddr, Outcome};
 

@@ -1,8 +1,9 @@
 //! A first-level cache in time: who asks, and which lines are in flight.
 
 use super::{CacheReport, NOBODY, NONE, members, round_robin};
-use crate::time::config::{CHIP_CACHE_WAYS, ChipConfig};
+use crate::time::config::ChipConfig;
 use crate::time::operation::{Operation, Programs};
+use crate::time::standard::CHIP_CACHE_WAYS;
 use crate::vm::{Directory, Unit};
 use std::collections::VecDeque;
 
