@@ -8,7 +8,8 @@ use saarcor_cli::simulate::{PacketOrder, record, version_name};
 use saarcor_cli::standard;
 use saarcor_cli::walk::{PacketSize, TraceOptions};
 use saarcor_cli::world::{World, WorldOptions};
-use saarcor_model::time::{Version, simulate};
+use saarcor_fast::chip::simulate;
+use saarcor_model::time::Version;
 use std::hint::black_box;
 use std::path::Path;
 

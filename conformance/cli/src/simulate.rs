@@ -1,7 +1,7 @@
 //! Step two of §4: frames on the chip, exact to the cycle.
 //!
 //! [`record`] traces a frame once, on all cores, [`record_part`] some of its packets;
-//! [`simulate`](saarcor_model::time::simulate) plays what was recorded on any number of chips; [`Row`] is
+//! [`simulate`](saarcor_fast::chip::simulate) plays what was recorded on any number of chips; [`Row`] is
 //! what is printed of a run.
 
 use crate::render::{Picture, put_packet};
@@ -12,7 +12,8 @@ use image::RgbImage;
 use rayon::prelude::*;
 use saarcor_model::rays::{Frame, Pipeline, RayCounts};
 use saarcor_model::time::{
-    CacheReport, ChipConfig, Program, Programs, Recorder, Report, Stall, UNIT_NAMES, UnitReport, Version,
+    CacheReport, ChipConfig, Program, Programs, Recorder, Stall, TimingReport, UNIT_NAMES, UnitReport,
+    Version,
 };
 use saarcor_model::vm::{Observed, WholeScene};
 use serde::Serialize;
@@ -295,7 +296,7 @@ impl From<UnitReport> for UnitRow {
 impl Row {
     /// What a frame of a scene with so many rays took on a chip.
     #[must_use]
-    pub fn new(scene: &str, frame: usize, rays: u64, config: &ChipConfig, report: &Report) -> Self {
+    pub fn new(scene: &str, frame: usize, rays: u64, config: &ChipConfig, report: &TimingReport) -> Self {
         let cycles = report.cycles.max(1) as f64;
         let sdram = config.sdram;
         let beats = report.memory_bytes() / u64::from(sdram.beat_bytes);

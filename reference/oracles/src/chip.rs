@@ -8,7 +8,7 @@ use crate::cache::NaiveCache;
 use crate::metadata::{Moved, NaiveTags};
 use saarcor_model::time::standard::CHIP_CACHE_WAYS;
 use saarcor_model::time::{
-    CacheReport, ChipConfig, Direction, Operation, Programs, Report, SdramConfig, Stall, Version,
+    CacheReport, ChipConfig, Direction, Operation, Programs, SdramConfig, Stall, TimingReport, Version,
 };
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, LineAddr, Outcome, Policy, Unit};
 use std::collections::VecDeque;
@@ -118,7 +118,7 @@ struct NaiveChip<'a> {
     bus: Option<u64>,
     waiting: VecDeque<(u64, Part, u64)>,
     memory: NaiveMemory,
-    report: Report,
+    report: TimingReport,
 }
 
 /// Plays `programs` as the rules say: the judge of the model's `simulate`.
@@ -126,7 +126,7 @@ struct NaiveChip<'a> {
 /// # Panics
 /// If the configuration makes no chip.
 #[must_use]
-pub fn naive_simulate(before: &[Programs], programs: &Programs, config: &ChipConfig) -> Report {
+pub fn naive_simulate(before: &[Programs], programs: &Programs, config: &ChipConfig) -> TimingReport {
     config.check().expect("a configuration that makes a chip");
     let mut chip = NaiveChip::new(programs, config);
     for operation in before.iter().flat_map(Programs::in_order) {
@@ -169,7 +169,7 @@ impl<'a> NaiveChip<'a> {
             bus: None,
             waiting: VecDeque::new(),
             memory: NaiveMemory::new(config.sdram),
-            report: Report::default(),
+            report: TimingReport::default(),
         }
     }
 

@@ -2,10 +2,13 @@
 //! rules.
 
 use proptest::prelude::*;
+use saarcor_fast::chip::{
+    Cache, Caches, ChipObserver, Found, Traffic, simulate, simulate_observed, simulate_part,
+};
+use saarcor_fast::sdram::Span;
 use saarcor_model::time::{
-    Cache, CacheReport, Caches, ChipConfig, Found, L1Config, MetadataCacheConfig, Observer, Operation,
-    PciConfig, Program, Programs, Report, SdramConfig, Span, Traffic, UNIT_NAMES, UnitConfig, Version,
-    simulate, simulate_observed, simulate_part,
+    CacheReport, ChipConfig, L1Config, MetadataCacheConfig, Operation, PciConfig, Program, Programs,
+    SdramConfig, TimingReport, UNIT_NAMES, UnitConfig, Version,
 };
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr, Policy, Unit};
 use saarcor_oracles::chip::naive_simulate;
@@ -37,7 +40,7 @@ fn numbers(seed: u64) -> impl FnMut(u64) -> u64 {
 }
 
 #[track_caller]
-fn sums_hold(report: &Report, config: &ChipConfig) {
+fn sums_hold(report: &TimingReport, config: &ChipConfig) {
     for (unit, name) in report.units.iter().zip(UNIT_NAMES) {
         let all = unit.busy + unit.stalled() + unit.idle;
         assert_eq!(all, report.cycles * u64::from(config.pipelines), "{name}");
@@ -120,7 +123,7 @@ struct Transfers {
     memory: Vec<(Span, u64)>,
 }
 
-impl Observer for Transfers {
+impl ChipObserver for Transfers {
     fn transfer(&mut self, _: u32, traffic: Traffic, span: Span, bytes: u64) {
         let bus = if traffic == Traffic::Pci { &mut self.pci } else { &mut self.memory };
         bus.push((span, bytes));
@@ -187,7 +190,7 @@ struct Sums {
     begun: Vec<u32>,
 }
 
-impl Observer for Sums {
+impl ChipObserver for Sums {
     fn transfer(&mut self, _: u32, traffic: Traffic, _: Span, bytes: u64) {
         self.bytes += if traffic == Traffic::Pci { 0 } else { bytes };
     }
@@ -243,7 +246,7 @@ fn packets_out_of_time_only_warm_the_caches() {
         let (report, begun) = run(&last_50);
         assert_eq!(report, simulate(&[begin], &end, &config).expect("a chip"));
         assert_eq!(begun, (40..90).collect::<Vec<_>>());
-        assert_eq!(run(&[false; 90]), (Report::default(), Vec::new()));
+        assert_eq!(run(&[false; 90]), (TimingReport::default(), Vec::new()));
     }
 }
 
@@ -301,7 +304,7 @@ fn pictures_before_warm_the_caches() {
 #[test]
 fn nothing_to_do_takes_no_time() {
     let config = standard(Version::B);
-    assert_eq!(simulate(&[], &Programs::default(), &config), Ok(Report::default()));
+    assert_eq!(simulate(&[], &Programs::default(), &config), Ok(TimingReport::default()));
 }
 
 #[test]

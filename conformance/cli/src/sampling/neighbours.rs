@@ -16,6 +16,7 @@ use super::estimate::Estimate;
 use super::plan::Plan;
 use super::trace::{SHRINK, Standing, Traced};
 use rayon::prelude::*;
+use saarcor_fast::chip::first_level_lines;
 use saarcor_model::time::{ChipConfig, Operation, Programs};
 use std::collections::BTreeMap;
 
@@ -137,7 +138,8 @@ fn lines(packets: &[&[Operation]], config: &ChipConfig, programs: &Programs) -> 
     let mut lines: [Vec<u32>; 4] = Default::default();
     for operation in packets.iter().copied().flatten().filter(|operation| operation.bytes > 0) {
         let cache = operation.unit as usize;
-        let (first, last) = operation.lines(programs.l1_base(operation.unit), config.l1[cache].line);
+        let (first, last) =
+            first_level_lines(operation, programs.first_level_base(operation.unit), config.l1[cache].line);
         lines[cache].extend(first..=last);
     }
     lines.iter_mut().for_each(|lines| {

@@ -9,10 +9,9 @@ use crate::simulate::{PacketOrder, Row, record, record_before, version_name};
 use crate::walk::TraceOptions;
 use crate::world::World;
 use anyhow::Result;
-use saarcor_model::time::{
-    Cache, CacheReport, Caches, ChipConfig, Found, Observer, Operation, Span, Traffic, UNIT_NAMES, Version,
-    simulate, simulate_part,
-};
+use saarcor_fast::chip::{Cache, Caches, ChipObserver, Found, Traffic, simulate, simulate_part};
+use saarcor_fast::sdram::Span;
+use saarcor_model::time::{CacheReport, ChipConfig, Operation, UNIT_NAMES, Version};
 
 /// A frame, what is done before it, and how it is sampled.
 #[derive(Clone, Copy, Debug)]
@@ -179,7 +178,7 @@ fn work(program: &[Operation], config: &ChipConfig) -> [u64; 4] {
     work
 }
 
-impl Observer for Counts {
+impl ChipObserver for Counts {
     fn transfer(&mut self, packet: u32, traffic: Traffic, _: Span, bytes: u64) {
         let Some(share) = self.share(packet) else { return };
         match traffic {

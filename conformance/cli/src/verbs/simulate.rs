@@ -12,7 +12,8 @@ use crate::summary::Summary;
 use crate::table::{Column, Table, mb};
 use crate::world::World;
 use anyhow::Result;
-use saarcor_model::time::{ChipConfig, Programs, UNIT_NAMES, Version, simulate};
+use saarcor_fast::chip::simulate;
+use saarcor_model::time::{ChipConfig, Programs, UNIT_NAMES, Version};
 use saarcor_model::vm::Bytes;
 use std::path::PathBuf;
 

@@ -6,9 +6,9 @@ use super::request::Request;
 use super::served::ChipServed;
 use crate::kind::{Coverage, Covered, Oracle};
 use crate::session::Session;
-use saarcor_model::time::{
-    CacheReport, ChipConfig, Direction, Observer, Operation, Report, Span, Stall, Traffic, Version,
-};
+use saarcor_fast::chip::{ChipObserver, Traffic};
+use saarcor_fast::sdram::Span;
+use saarcor_model::time::{CacheReport, ChipConfig, Direction, Operation, Stall, TimingReport, Version};
 use std::collections::BTreeSet;
 
 /// What look-ups find: the line, the line in flight, nothing.
@@ -66,7 +66,7 @@ impl Moves<'_> {
     }
 }
 
-impl Observer for Moves<'_> {
+impl ChipObserver for Moves<'_> {
     fn transfer(&mut self, _: u32, traffic: Traffic, span: Span, _: u64) {
         self.reached.traffic.insert((self.chip.version as usize, traffic as usize));
         if traffic == Traffic::Pci {
@@ -133,7 +133,7 @@ impl Reached {
             next_refresh: chip.sdram.refresh_interval.into(),
             bus_free: u64::MAX,
         };
-        let Report { units, l1, l2, .. } = model.play(&mut moves);
+        let TimingReport { units, l1, l2, .. } = model.play(&mut moves);
         self.pictures.insert((version, warm));
         for (unit, report) in units.iter().enumerate() {
             let waited = (0..Stall::ALL.len()).filter(|&stall| report.stalls[stall] > 0);

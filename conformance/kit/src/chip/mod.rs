@@ -15,7 +15,8 @@ use crate::serve::{Served, Unsupported};
 use crate::session::Session;
 use crate::suites;
 use request::Request;
-use saarcor_model::time::{Observer, Span, Traffic};
+use saarcor_fast::chip::{ChipObserver, Traffic};
+use saarcor_fast::sdram::Span;
 use served::ChipServed;
 
 /// The kind `saarcor-chip`.
@@ -118,7 +119,7 @@ const SHOWN: usize = 32;
 #[derive(Default)]
 struct Moved(Vec<String>);
 
-impl Observer for Moved {
+impl ChipObserver for Moved {
     fn transfer(&mut self, _: u32, traffic: Traffic, span: Span, bytes: u64) {
         let what = match traffic {
             Traffic::L1Fill => "from the on-board memory to a first-level cache",

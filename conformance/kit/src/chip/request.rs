@@ -4,7 +4,7 @@ use super::config::{Setting, UNITS};
 use crate::hex;
 use crate::vm::request::END_OF_ADDRESSES;
 use saarcor_model::time::standard::PACKET_RAYS;
-use saarcor_model::time::{CacheReport, Operation, Report};
+use saarcor_model::time::{CacheReport, Operation, TimingReport};
 use saarcor_model::vm::{HostAddr, Unit};
 use std::fmt;
 
@@ -165,7 +165,7 @@ pub struct Answer {
 impl Answer {
     /// All of the model's report that an answer has.
     #[must_use]
-    pub fn of(report: &Report) -> Self {
+    pub fn of(report: &TimingReport) -> Self {
         let mem = [
             report.l1_fill_bytes,
             report.vm_fill_bytes,
@@ -227,7 +227,7 @@ fn observed<T>(
 }
 
 /// Appends the answer that says all.
-pub fn push_answer(out: &mut Vec<u8>, report: &Report) {
+pub fn push_answer(out: &mut Vec<u8>, report: &TimingReport) {
     let numbers = |out: &mut Vec<u8>, between: u8, numbers: &[u64]| {
         for (place, number) in numbers.iter().enumerate() {
             if place > 0 {
@@ -285,7 +285,8 @@ mod tests {
 
     #[test]
     fn answers_are_read_as_far_as_observed() {
-        let report = Report { cycles: 0x2a, pci_bytes: 0x80, vm_fill_bytes: 0x80, ..Report::default() };
+        let report =
+            TimingReport { cycles: 0x2a, pci_bytes: 0x80, vm_fill_bytes: 0x80, ..TimingReport::default() };
         let mut text = Vec::new();
         push_answer(&mut text, &report);
         assert_eq!(String::from_utf8_lossy(&text), "c 2a 80 0,80,0,0 0/0/0,0/0/0,0/0/0,0/0/0 0/0/0");

@@ -4,7 +4,8 @@ use super::config::{self, Setting};
 use super::request::{Request, push_answer};
 use crate::kind::Oracle;
 use crate::serve::{Served, Unsupported};
-use saarcor_model::time::{Observer, Programs, Report, simulate_observed};
+use saarcor_fast::chip::{ChipObserver, simulate_observed};
+use saarcor_model::time::{Programs, TimingReport};
 use saarcor_oracles::chip::naive_simulate;
 
 /// An oracle with the packets that it was told.
@@ -42,7 +43,7 @@ impl ChipServed {
     }
 
     /// Plays the packets on the model.
-    pub fn play(&self, observer: &mut impl Observer) -> Report {
+    pub fn play(&self, observer: &mut impl ChipObserver) -> TimingReport {
         let before = std::slice::from_ref(&self.before);
         let report = simulate_observed(before, &self.programs, &self.setting.chip, observer);
         report.expect("the configuration was checked when it was read")

@@ -3,7 +3,7 @@
 use super::pci::PciConfig;
 use super::sdram::SdramConfig;
 use super::standard::{self, CHIP_CACHE_WAYS};
-use crate::vm::{Bytes, CacheConfig, ENTRY_BYTES, Geometry, Hash, Policy};
+use crate::vm::{CacheConfig, ENTRY_BYTES};
 use std::fmt;
 
 /// Where the scene and its metadata lie (§3).
@@ -165,14 +165,6 @@ impl ChipConfig {
     #[must_use]
     pub fn fps(&self, cycles: u64) -> f64 {
         self.core_hz as f64 / cycles as f64
-    }
-
-    /// The shape of a chip cache of `sets` sets, whose lines the caller counts.
-    pub(crate) fn chip_cache(sets: u32) -> CacheConfig {
-        let lines = Bytes(u64::from(sets) * CHIP_CACHE_WAYS as u64);
-        let geometry = Geometry::new(lines, Bytes(1), CHIP_CACHE_WAYS as u32);
-        let geometry = geometry.expect("a power of two of sets: the configuration was checked");
-        CacheConfig { geometry, hash: Hash::Low, policy: Policy::Lru }
     }
 
     /// Whether these numbers make a chip.

@@ -17,23 +17,8 @@ pub struct Operation {
     /// Rays that the unit works for once the bytes are there; 0 where they belong to the work of
     /// the operation before.
     pub rays: u8,
-    /// The unit, by its unit.
+    /// The unit.
     pub unit: Unit,
-}
-
-impl Operation {
-    /// The first and the last of the lines that are read, which are `line` bytes long and begin at
-    /// `base`. Without meaning where nothing is read.
-    #[must_use]
-    #[inline]
-    pub fn lines(&self, base: u32, line: u32) -> (u32, u32) {
-        let from_base = self.addr.0.saturating_sub(base);
-        let (first, offset) = (from_base / line, from_base % line);
-        let last_offset = offset + u32::from(self.bytes).saturating_sub(1);
-        // A division takes as long as all else here, and few reads leave their line.
-        let further = if last_offset < line { 0 } else { last_offset / line };
-        (first, first + further)
-    }
 }
 
 /// The operations of a packet, in order. Shared, since pictures may have packets in common: a sampled
@@ -52,7 +37,7 @@ pub struct Programs {
 impl Programs {
     /// Where the lines of a first-level cache begin (L1-1).
     #[must_use]
-    pub fn l1_base(&self, unit: Unit) -> u32 {
+    pub fn first_level_base(&self, unit: Unit) -> u32 {
         if unit == Unit::Intersection { self.triangles.0 } else { 0 }
     }
 

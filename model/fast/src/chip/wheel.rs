@@ -1,7 +1,7 @@
 //! What will happen in which cycle.
 
 use super::NONE;
-use crate::time::config::MAX_LATENCY;
+use saarcor_model::time::MAX_LATENCY;
 
 /// Events of the next [`WHEEL`] cycles: for each of these a list of numbers, of threads and then of
 /// units. Each number is in one list at most.

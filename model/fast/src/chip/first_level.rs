@@ -1,14 +1,13 @@
 //! A first-level cache in time: who asks, and which lines are in flight.
 
-use super::{CacheReport, NOBODY, NONE, members, round_robin};
-use crate::time::config::ChipConfig;
-use crate::time::operation::{Operation, Programs};
-use crate::time::standard::CHIP_CACHE_WAYS;
-use crate::vm::{Directory, Unit};
+use super::{NOBODY, NONE, members, round_robin};
+use saarcor_model::time::standard::CHIP_CACHE_WAYS;
+use saarcor_model::time::{CacheReport, ChipConfig, Operation, Programs};
+use saarcor_model::vm::{Bytes, CacheConfig, Directory, Geometry, Hash, Policy, Unit};
 use std::collections::VecDeque;
 
-/// Threads are masks, one a pipeline.
-pub(super) struct L1 {
+/// A first-level cache, the threads that ask it (a mask a pipeline), and its lines in flight.
+pub(super) struct FirstLevelState {
     /// Address of its first line, and bytes a line.
     base: u32,
     line: u32,
@@ -21,23 +20,44 @@ pub(super) struct L1 {
     last_thread: Vec<u32>,
     /// Which registers are taken by lines in flight.
     taken: u64,
-    pub(super) in_flight: Vec<InFlight>,
-    /// How many lines in flight have these lowest bits.
-    alike: [u8; ALIKE],
+    pub(super) in_flight: Vec<LineInFlight>,
+    /// A counting filter: lines in flight by their lowest bits.
+    filter: [u8; BUCKETS],
     /// Threads that wait for a register, the one that waits longest first.
     pub(super) parked: VecDeque<u32>,
     /// Parts of missed lines that the bus manager has not taken yet.
-    pub(super) parts: VecDeque<Part>,
+    pub(super) parts: VecDeque<LinePart>,
     pub(super) report: CacheReport,
 }
 
-/// Values of the lowest bits of a line that are told apart: enough that of 16 lines in flight
-/// few are like another that is asked for.
-const ALIKE: usize = 256;
+/// Buckets of the counting filter over the lines in flight: enough that of 16 lines in flight few
+/// share a bucket with a line that is looked up.
+const BUCKETS: usize = 256;
+
+/// The first and the last of the first-level lines that an operation reads, which are `line` bytes long
+/// and begin at `base`. Without meaning where nothing is read.
+#[must_use]
+#[inline]
+pub fn first_level_lines(operation: &Operation, base: u32, line: u32) -> (u32, u32) {
+    let from_base = operation.addr.0.saturating_sub(base);
+    let (first, offset) = (from_base / line, from_base % line);
+    let last_offset = offset + u32::from(operation.bytes).saturating_sub(1);
+    // A division takes as long as all else here, and few reads leave their line.
+    let further = if last_offset < line { 0 } else { last_offset / line };
+    (first, first + further)
+}
+
+/// The shape of a cache of `sets` sets; it takes line numbers, not addresses.
+fn directory_of(sets: u32) -> CacheConfig {
+    let lines = Bytes(u64::from(sets) * CHIP_CACHE_WAYS as u64);
+    let geometry = Geometry::new(lines, Bytes(1), CHIP_CACHE_WAYS as u32);
+    let geometry = geometry.expect("a power of two of sets: the configuration was checked");
+    CacheConfig { geometry, hash: Hash::Low, policy: Policy::Lru }
+}
 
 /// A first-level line in flight.
 #[derive(Clone, Copy)]
-pub(super) struct InFlight {
+pub(super) struct LineInFlight {
     line: u32,
     /// The first thread that waits.
     pub(super) waiter: u32,
@@ -47,7 +67,7 @@ pub(super) struct InFlight {
     pub(super) from_host: u32,
 }
 
-impl InFlight {
+impl LineInFlight {
     fn new(line: u32) -> Self {
         Self { line, waiter: NONE, parts: 0, from_host: 0 }
     }
@@ -55,7 +75,7 @@ impl InFlight {
 
 /// The part of a first-level line that lies in one line of the virtual memory.
 #[derive(Clone, Copy)]
-pub(super) struct Part {
+pub(super) struct LinePart {
     pub(super) addr: u32,
     pub(super) bytes: u32,
     /// The packet that missed the line.
@@ -64,21 +84,21 @@ pub(super) struct Part {
     pub(super) register: u8,
 }
 
-impl L1 {
+impl FirstLevelState {
     pub(super) fn new(port: Unit, programs: &Programs, config: &ChipConfig) -> Self {
         let (pipelines, threads) = (config.pipelines as usize, config.threads as usize);
         let l1 = config.l1[port as usize];
         Self {
-            base: programs.l1_base(port),
+            base: programs.first_level_base(port),
             line: l1.line,
-            directory: Directory::new(ChipConfig::chip_cache(l1.sets)),
+            directory: Directory::new(directory_of(l1.sets)),
             asking: 0,
             last: NOBODY,
             threads: vec![0; pipelines],
             last_thread: vec![NOBODY; pipelines],
             taken: 0,
-            in_flight: vec![InFlight::new(0); l1.mshrs as usize],
-            alike: [0; ALIKE],
+            in_flight: vec![LineInFlight::new(0); l1.mshrs as usize],
+            filter: [0; BUCKETS],
             parked: VecDeque::with_capacity(pipelines * threads),
             parts: VecDeque::new(),
             report: CacheReport::default(),
@@ -88,7 +108,7 @@ impl L1 {
     /// The first and the last line that an operation reads.
     #[inline]
     pub(super) fn lines_of(&self, operation: &Operation) -> (u32, u32) {
-        operation.lines(self.base, self.line)
+        first_level_lines(operation, self.base, self.line)
     }
 
     /// First address of a line, and the one behind it.
@@ -128,7 +148,7 @@ impl L1 {
     /// The register of `line`, if it is in flight.
     #[inline]
     pub(super) fn register_of(&self, line: u32) -> Option<usize> {
-        if self.alike[line as usize % ALIKE] == 0 {
+        if self.filter[line as usize % BUCKETS] == 0 {
             return None;
         }
         members(self.taken).find(|&register| self.in_flight[register].line == line)
@@ -145,16 +165,16 @@ impl L1 {
     pub(super) fn take(&mut self, line: u32) -> usize {
         let register = (!self.taken).trailing_zeros() as usize;
         self.taken |= 1 << register;
-        self.alike[line as usize % ALIKE] += 1;
-        self.in_flight[register] = InFlight::new(line);
+        self.filter[line as usize % BUCKETS] += 1;
+        self.in_flight[register] = LineInFlight::new(line);
         register
     }
 
     /// The line of `register` is there; the first thread that waits for it.
     pub(super) fn release(&mut self, register: usize) -> u32 {
-        let InFlight { line, waiter, .. } = self.in_flight[register];
+        let LineInFlight { line, waiter, .. } = self.in_flight[register];
         self.taken &= !(1 << register);
-        self.alike[line as usize % ALIKE] -= 1;
+        self.filter[line as usize % BUCKETS] -= 1;
         waiter
     }
 }

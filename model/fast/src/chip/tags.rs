@@ -1,17 +1,16 @@
-//! The bus manager's tags in time: the decisions of [`vm`](crate::vm::virtual_memory) and of
-//! [`metadata_cache`](crate::vm::version_b), and what they move, without the bytes.
+//! The bus manager's tags in time: the decisions of the virtual memory, and the metadata that they
+//! move, without the bytes.
 
-use super::config::{ChipConfig, Version};
-use super::sdram::Direction;
-use super::standard::CHIP_CACHE_WAYS;
-use crate::vm::{
+use saarcor_model::time::standard::CHIP_CACHE_WAYS;
+use saarcor_model::time::{ChipConfig, Direction, Version};
+use saarcor_model::vm::{
     DataSet, Directory, ENTRY_BYTES, Hash, HostAddr, LineAddr, Metadata, OnChip, Outcome, Policy, Set,
     SetIndex,
 };
 
 /// Where bytes lie on the card.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct WhereOnCard {
     /// Address of the first of them.
     pub card: u64,
     /// Whether their line has to be loaded first.
@@ -20,7 +19,7 @@ pub struct Place {
 
 /// A granule of metadata that moves between the chip and the on-board memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Move {
+pub struct MetadataMove {
     /// Number of the granule.
     pub granule: u32,
     /// Which way.
@@ -31,14 +30,14 @@ pub struct Move {
 pub trait Tags: Send {
     /// Finds the bytes at `addr`, which lie within one line; says in `moves` which metadata that
     /// moves, in order.
-    fn locate(&mut self, addr: HostAddr, moves: &mut Vec<Move>) -> Place;
+    fn locate(&mut self, addr: HostAddr, moves: &mut Vec<MetadataMove>) -> WhereOnCard;
 }
 
 /// The tags that `config` asks for, of an empty cache.
 #[must_use]
 pub fn tags(config: &ChipConfig) -> Box<dyn Tags> {
     match config.cache.geometry.ways() {
-        _ if config.version == Version::None => Box::new(WholeScene),
+        _ if config.version == Version::None => Box::new(NoTags),
         1 => of_ways::<1>(config),
         2 => of_ways::<2>(config),
         4 => of_ways::<4>(config),
@@ -56,46 +55,49 @@ fn of_ways<const WAYS: usize>(config: &ChipConfig) -> Box<dyn Tags> {
 }
 
 /// Without virtual memory, bytes lie on the card where they lie in the host (Assumed).
-struct WholeScene;
+struct NoTags;
 
-impl Tags for WholeScene {
-    fn locate(&mut self, addr: HostAddr, _: &mut Vec<Move>) -> Place {
-        Place { card: addr.0.into(), missed: false }
+impl Tags for NoTags {
+    fn locate(&mut self, addr: HostAddr, _: &mut Vec<MetadataMove>) -> WhereOnCard {
+        WhereOnCard { card: addr.0.into(), missed: false }
     }
 }
 
 impl<const WAYS: usize> Tags for Directory<WAYS> {
-    fn locate(&mut self, addr: HostAddr, _: &mut Vec<Move>) -> Place {
+    fn locate(&mut self, addr: HostAddr, _: &mut Vec<MetadataMove>) -> WhereOnCard {
         place(self, addr)
     }
 }
 
 impl<const WAYS: usize> Tags for Directory<WAYS, MovingMetadata<WAYS>> {
-    fn locate(&mut self, addr: HostAddr, moves: &mut Vec<Move>) -> Place {
+    fn locate(&mut self, addr: HostAddr, moves: &mut Vec<MetadataMove>) -> WhereOnCard {
         let place = place(self, addr);
         moves.append(&mut self.metadata.moves);
         place
     }
 }
 
-fn place<const WAYS: usize, M: Metadata<WAYS>>(directory: &mut Directory<WAYS, M>, addr: HostAddr) -> Place {
+fn place<const WAYS: usize, M: Metadata<WAYS>>(
+    directory: &mut Directory<WAYS, M>,
+    addr: HostAddr,
+) -> WhereOnCard {
     let config = directory.config;
     let line = config.geometry.line_of(addr);
     let outcome = directory.access(line);
     let begin = config.geometry.card_addr(config.set_of(line), outcome.way());
     let card = u64::from(begin.0) + u64::from(config.geometry.offset_of(addr));
-    Place { card, missed: matches!(outcome, Outcome::Miss { .. }) }
+    WhereOnCard { card, missed: matches!(outcome, Outcome::Miss { .. }) }
 }
 
-/// The metadata of version B, which tells what moves: it decides as
-/// [`CachedMetadata`](crate::vm::CachedMetadata) does, and keeps no bytes (VM-13).
+/// The metadata of version B, which lists what moves. Twin of `saarcor_model::vm::CachedMetadata`: it
+/// keeps no bytes (VM-13).
 #[derive(Clone, Debug)]
 pub struct MovingMetadata<const WAYS: usize> {
     sets: OnChip<WAYS>,
     /// Which granules the metadata cache holds, and which of them have changed.
     cache: Vec<DataSet<CHIP_CACHE_WAYS, ()>>,
     granule: usize,
-    moves: Vec<Move>,
+    moves: Vec<MetadataMove>,
 }
 
 impl<const WAYS: usize> MovingMetadata<WAYS> {
@@ -126,10 +128,10 @@ impl<const WAYS: usize> MovingMetadata<WAYS> {
         let (next, outcome, write_back) = cached.access(LineAddr(granule), Policy::Lru, || ());
         *cached = if change { next.write(outcome.way(), ()) } else { next };
         if let Outcome::Miss { .. } = outcome {
-            self.moves.push(Move { granule, direction: Direction::Read });
+            self.moves.push(MetadataMove { granule, direction: Direction::Read });
         }
         if let Some(write_back) = write_back {
-            self.moves.push(Move { granule: write_back.line.0, direction: Direction::Write });
+            self.moves.push(MetadataMove { granule: write_back.line.0, direction: Direction::Write });
         }
     }
 }
@@ -161,11 +163,11 @@ impl<const WAYS: usize> Metadata<WAYS> for MovingMetadata<WAYS> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::time::config::MetadataCacheConfig;
-    use crate::vm::Bytes;
-    use crate::vm::CacheConfig;
-    use crate::vm::CachedMetadata;
-    use crate::vm::Geometry;
+    use saarcor_model::time::MetadataCacheConfig;
+    use saarcor_model::vm::Bytes;
+    use saarcor_model::vm::CacheConfig;
+    use saarcor_model::vm::CachedMetadata;
+    use saarcor_model::vm::Geometry;
 
     fn moves_as_version_b<const WAYS: usize, const GRANULE: usize>(policy: Policy) {
         let geometry = Geometry::new(Bytes(64 << 10), Bytes(32), WAYS as u32).expect("legal");

@@ -1,12 +1,11 @@
 //! Packets that leave in the caches what they read, and take no time.
 
-use super::{Cache, Chip, Found, Observer, Traffic};
-use crate::time::config::{ChipConfig, ConfigError};
-use crate::time::operation::{Operation, Programs};
-use crate::time::sdram::{Direction, Span};
-use crate::time::standard::CHIP_CACHE_WAYS;
-use crate::time::tags::{Place, Tags};
-use crate::vm::{Directory, HostAddr, LineAddr, Outcome};
+use super::tags::{Tags, WhereOnCard};
+use super::{Cache, Chip, ChipObserver, Found, Traffic};
+use crate::sdram::Span;
+use saarcor_model::time::standard::CHIP_CACHE_WAYS;
+use saarcor_model::time::{ChipConfig, ConfigError, Direction, Operation, Programs};
+use saarcor_model::vm::{Directory, HostAddr, LineAddr, Outcome};
 
 /// The first-level caches and the virtual memory of a chip on which nothing is in work.
 pub struct Caches {
@@ -37,8 +36,8 @@ impl Caches {
     }
 }
 
-impl<O: Observer> Chip<'_, O> {
-    /// Reads what an operation reads, without time. The observer is told if it is that of a packet.
+impl<O: ChipObserver> Chip<'_, O> {
+    /// Reads what an operation reads, without time. The observer sees it if it is that of a packet.
     pub(super) fn read_at_once(&mut self, operation: &Operation, packet: Option<u32>) {
         if operation.bytes == 0 {
             return;
@@ -63,7 +62,7 @@ impl<O: Observer> Chip<'_, O> {
     /// Looks up the tag of a part, and moves it and its metadata, without time.
     fn locate_at_once(&mut self, addr: u32, bytes: u32, packet: Option<u32>) {
         let mut moves = std::mem::take(&mut self.moves);
-        let Place { card, missed } = self.tags.locate(HostAddr(addr), &mut moves);
+        let WhereOnCard { card, missed } = self.tags.locate(HostAddr(addr), &mut moves);
         if let Some(packet) = packet {
             let (sdram, now) = (self.config.sdram, Span { begin: self.now, end: self.now });
             let found = if missed { Found::Missing } else { Found::Resident };

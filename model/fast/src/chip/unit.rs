@@ -1,7 +1,7 @@
 //! A unit of a pipeline: who wants it, and where its cycles went.
 
-use super::{NOBODY, Stall, UnitReport, round_robin};
-use crate::time::config::MAX_COUNT;
+use super::{NOBODY, round_robin};
+use saarcor_model::time::{MAX_COUNT, Stall, UnitReport};
 
 /// Bits of a counter of threads in [`UnitState::waiting`].
 const COUNTER_BITS: u32 = 8;
@@ -20,7 +20,7 @@ pub(super) struct UnitState {
     /// Threads of the pipeline whose bytes are there, and the one served last.
     pub(super) ready: u64,
     last: u32,
-    /// First cycle in which it can take rays, and whether an event tells of it.
+    /// First cycle in which it can take rays, and whether an event says so.
     pub(super) free: u64,
     pub(super) called: bool,
     /// Threads that wait for bytes for this unit: a counter a cause, and [`IDLE`].

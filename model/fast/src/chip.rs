@@ -1,28 +1,32 @@
-//! The chip in time (§2 to §4): programs played against caches, virtual memory, memory chips and
-//! bus, exact to the cycle (CH-1 to CH-20).
+//! The chip in time, from event to event. Twin of `saarcor_model::time::simulate`, whose reports these
+//! are to the cycle.
 //!
-//! A cycle has eight phases in a fixed order. Each phase decides by what is there, and not by the
-//! order in which it came, wherever nothing else is said; so the result depends on nothing but the
-//! programs and the configuration. Cycles in which no phase has anything to do are left out, and
-//! nothing else is: the naive stepping of the same rules in `reference` takes every cycle.
+//! The phases of a cycle are those of the specification (CH-5). Cycles in which no phase has anything
+//! to do are left out. Threads are bits of masks and members of linked lists, and what will happen in
+//! later cycles stands in a wheel of events. Beyond the specification, a run may take only some packets
+//! in time ([`simulate_part`]), and an observer may watch each transfer ([`ChipObserver`]).
 
 mod at_once;
-mod l1;
-mod report;
+mod first_level;
+mod observer;
+mod tags;
 mod unit;
 mod wheel;
 
 pub use at_once::Caches;
-pub use report::{Cache, CacheReport, Found, Observer, Report, Stall, Traffic, UnitReport};
+pub use first_level::first_level_lines;
+pub use observer::{Cache, ChipObserver, Found, Traffic};
 
-use super::config::{ChipConfig, ConfigError, MAX_COUNT, Version};
-use super::operation::{Operation, Program, Programs};
-use super::pci::Pci;
-use super::sdram::{Direction, Sdram, Span};
-use super::tags::{Move, Place, Tags, tags};
-use crate::vm::{HostAddr, LineAddr, Outcome, Unit};
-use l1::{InFlight, L1, Part};
+use crate::pci::Pci;
+use crate::sdram::{Sdram, Span};
+use first_level::{FirstLevelState, LineInFlight, LinePart};
+use observer::bytes_of;
+use saarcor_model::time::{
+    ChipConfig, ConfigError, Direction, MAX_COUNT, Operation, Program, Programs, Stall, TimingReport, Version,
+};
+use saarcor_model::vm::{HostAddr, LineAddr, Outcome, Unit};
 use std::collections::VecDeque;
+use tags::{MetadataMove, Tags, WhereOnCard, tags};
 use unit::UnitState;
 use wheel::Wheel;
 
@@ -35,12 +39,11 @@ pub fn simulate(
     before: &[Programs],
     programs: &Programs,
     config: &ChipConfig,
-) -> Result<Report, ConfigError> {
+) -> Result<TimingReport, ConfigError> {
     simulate_observed(before, programs, config, &mut ())
 }
 
-/// [`simulate`], telling `observer` what each packet does: of a transfer, as soon as its times are
-/// known.
+/// [`simulate`], watched by `observer`: it sees a transfer as soon as its times are known.
 ///
 /// # Errors
 /// If the configuration makes no chip.
@@ -48,8 +51,8 @@ pub fn simulate_observed(
     before: &[Programs],
     programs: &Programs,
     config: &ChipConfig,
-    observer: &mut impl Observer,
-) -> Result<Report, ConfigError> {
+    observer: &mut impl ChipObserver,
+) -> Result<TimingReport, ConfigError> {
     let caches = Caches::after(before, programs.triangles, config)?;
     Ok(simulate_part(caches, programs, &vec![true; programs.packets.len()], observer))
 }
@@ -65,8 +68,8 @@ pub fn simulate_part(
     caches: Caches,
     programs: &Programs,
     in_time: &[bool],
-    observer: &mut impl Observer,
-) -> Report {
+    observer: &mut impl ChipObserver,
+) -> TimingReport {
     assert_eq!(in_time.len(), programs.packets.len(), "each packet is in time or not");
     let Caches { config, l1, tags } = caches;
     let mut chip = Chip::new(programs, in_time, &config, observer);
@@ -120,9 +123,9 @@ struct Thread<'a> {
 }
 
 /// A part whose tag is known in cycle `ready`.
-struct Tagged {
+struct PendingTag {
     ready: u64,
-    part: Part,
+    part: LinePart,
     line: LineAddr,
     card: u64,
     /// Whether this one has its line loaded.
@@ -130,7 +133,7 @@ struct Tagged {
 }
 
 /// A line of the virtual memory in flight, there in cycle `there`.
-struct Loading {
+struct HostLine {
     line: LineAddr,
     card: u64,
     there: u64,
@@ -183,7 +186,7 @@ struct Chip<'a, O> {
     /// Units that are free in this cycle and may have a thread to take; some more than once.
     attended: Vec<u32>,
     wheel: Wheel,
-    l1: [L1; 4],
+    l1: [FirstLevelState; 4],
     /// The first-level caches that threads ask, and those with parts of missed lines.
     asked: u64,
     missed: u64,
@@ -192,21 +195,21 @@ struct Chip<'a, O> {
     /// The first-level cache from which the bus manager took a part last.
     last_cache: u32,
     tags: Box<dyn Tags>,
-    moves: Vec<Move>,
-    tagged: VecDeque<Tagged>,
+    moves: Vec<MetadataMove>,
+    tagged: VecDeque<PendingTag>,
     /// The latest cycle in `tagged` so far.
     tags_known: u64,
-    loading: VecDeque<Loading>,
+    loading: VecDeque<HostLine>,
     /// Parts that wait for a line in flight.
-    waiting: Vec<(LineAddr, Part, u64)>,
+    waiting: Vec<(LineAddr, LinePart, u64)>,
     sdram: Sdram,
     pci: Pci,
     /// No line arrives and no tag is known before this cycle.
     arrival: u64,
-    report: Report,
+    report: TimingReport,
 }
 
-impl<'a, O: Observer> Chip<'a, O> {
+impl<'a, O: ChipObserver> Chip<'a, O> {
     fn new(programs: &'a Programs, in_time: &'a [bool], config: &'a ChipConfig, observer: &'a mut O) -> Self {
         let (pipelines, threads) = (config.pipelines as usize, config.threads as usize);
         let numbers = pipelines * THREADS as usize;
@@ -238,7 +241,7 @@ impl<'a, O: Observer> Chip<'a, O> {
             cycles: config.units.map(|unit| Box::new(std::array::from_fn(|rays| unit.cycles(rays as u32)))),
             attended: Vec::new(),
             wheel: Wheel::new(numbers + 4 * pipelines),
-            l1: Unit::ALL.map(|port| L1::new(port, programs, config)),
+            l1: Unit::ALL.map(|port| FirstLevelState::new(port, programs, config)),
             asked: 0,
             missed: 0,
             returning: VecDeque::new(),
@@ -252,7 +255,7 @@ impl<'a, O: Observer> Chip<'a, O> {
             sdram: Sdram::new(config.sdram),
             pci: Pci::new(config.pci),
             arrival: u64::MAX,
-            report: Report::default(),
+            report: TimingReport::default(),
         }
     }
 
@@ -273,7 +276,7 @@ impl<'a, O: Observer> Chip<'a, O> {
         })
     }
 
-    fn run(mut self) -> Report {
+    fn run(mut self) -> TimingReport {
         loop {
             self.events();
             if self.arrival <= self.now {
@@ -293,7 +296,7 @@ impl<'a, O: Observer> Chip<'a, O> {
         }
     }
 
-    fn reported(mut self) -> Report {
+    fn reported(mut self) -> TimingReport {
         self.report.cycles = self.now;
         for (place, unit) in self.units.into_iter().enumerate() {
             let (sum, one) = (&mut self.report.units[place % 4], unit.reported(self.now));
@@ -362,7 +365,7 @@ impl<'a, O: Observer> Chip<'a, O> {
     /// that wait for it, in their order (CH-15).
     fn line_from_host(&mut self) {
         while self.loading.front().is_some_and(|loading| loading.there <= self.now)
-            && let Some(Loading { line, card, packet, .. }) = self.loading.pop_front()
+            && let Some(HostLine { line, card, packet, .. }) = self.loading.pop_front()
         {
             let bytes = self.config.cache.geometry.line().0;
             self.transfer(packet, Traffic::VmFill, card, bytes);
@@ -386,7 +389,7 @@ impl<'a, O: Observer> Chip<'a, O> {
     /// Phase 4: tags are known, in the order of the look-ups (CH-13, CH-14).
     fn tags_found(&mut self) {
         while self.tagged.front().is_some_and(|tagged| tagged.ready <= self.now)
-            && let Some(Tagged { part, line, card, loads, .. }) = self.tagged.pop_front()
+            && let Some(PendingTag { part, line, card, loads, .. }) = self.tagged.pop_front()
         {
             let bytes = self.config.cache.geometry.line().0;
             let Some(loading) = self.loading.iter_mut().find(|loading| loading.line == line) else {
@@ -396,7 +399,7 @@ impl<'a, O: Observer> Chip<'a, O> {
             if loads {
                 let span = self.pci.load(self.now, bytes);
                 loading.there = span.end;
-                *self.report.moved(Traffic::Pci) += bytes;
+                *bytes_of(&mut self.report, Traffic::Pci) += bytes;
                 self.report.pci_busy += span.end - span.begin;
                 self.observer.transfer(part.packet, Traffic::Pci, span, bytes);
             }
@@ -524,7 +527,7 @@ impl<'a, O: Observer> Chip<'a, O> {
                 self.observer.look_up(packet, Cache::L1(cache), Found::Missing);
                 let register = l1.take(line);
                 for (addr, bytes) in self.parts(cache, line) {
-                    let part = Part { addr, bytes, packet, cache: cache as u8, register: register as u8 };
+                    let part = LinePart { addr, bytes, packet, cache: cache as u8, register: register as u8 };
                     self.l1[cache].parts.push_back(part);
                     self.l1[cache].in_flight[register].parts += 1;
                 }
@@ -550,7 +553,7 @@ impl<'a, O: Observer> Chip<'a, O> {
             self.missed &= !(1 << self.last_cache);
         }
         let mut moves = std::mem::take(&mut self.moves);
-        let Place { card, missed } = self.tags.locate(HostAddr(part.addr), &mut moves);
+        let WhereOnCard { card, missed } = self.tags.locate(HostAddr(part.addr), &mut moves);
         let mut ready = self.now;
         let MetadataPlace { begin, granule } = MetadataPlace::of(self.config);
         for step in moves.drain(..) {
@@ -584,11 +587,11 @@ impl<'a, O: Observer> Chip<'a, O> {
         self.observer.look_up(part.packet, Cache::L2, found);
         if loads {
             let begin = card - u64::from(self.config.cache.geometry.offset_of(HostAddr(part.addr)));
-            self.loading.push_back(Loading { line, card: begin, there: u64::MAX, packet: part.packet });
+            self.loading.push_back(HostLine { line, card: begin, there: u64::MAX, packet: part.packet });
         }
         // It is acted upon in a later cycle, however short the latency.
         let ready = self.tags_known.max(self.now + 1);
-        self.tagged.push_back(Tagged { ready, part, line, card, loads });
+        self.tagged.push_back(PendingTag { ready, part, line, card, loads });
         self.arrival = self.arrival.min(ready);
     }
 
@@ -601,13 +604,13 @@ impl<'a, O: Observer> Chip<'a, O> {
         self.observer.request(self.now, card, bytes, direction);
         let span = self.sdram.transfer(self.now, card, bytes, direction);
         let moved = self.config.sdram.moved(card, bytes);
-        *self.report.moved(traffic) += moved;
+        *bytes_of(&mut self.report, traffic) += moved;
         self.observer.transfer(packet, traffic, span, moved);
         span
     }
 
     /// Reads a part of a first-level line; with the last one, the line returns (CH-16).
-    fn read_part(&mut self, part: Part, card: u64) {
+    fn read_part(&mut self, part: LinePart, card: u64) {
         let span = self.transfer(part.packet, Traffic::L1Fill, card, part.bytes.into());
         let way = self.in_flight(part);
         way.parts -= 1;
@@ -617,12 +620,12 @@ impl<'a, O: Observer> Chip<'a, O> {
         }
     }
 
-    fn in_flight(&mut self, part: Part) -> &mut InFlight {
+    fn in_flight(&mut self, part: LinePart) -> &mut LineInFlight {
         &mut self.l1[usize::from(part.cache)].in_flight[usize::from(part.register)]
     }
 
     /// The threads that wait for a first-level line now wait because of `stall`.
-    fn blame(&mut self, part: Part, stall: Stall) {
+    fn blame(&mut self, part: LinePart, stall: Stall) {
         let mut thread = self.in_flight(part).waiter;
         while thread != NONE {
             self.wait(thread, stall);
