@@ -1,6 +1,6 @@
 //! The engines that run everywhere: every value of a small scope, and values at random.
 
-use crate::source::{Holds, Label, Source, Stop, Theorem, Value};
+use crate::source::{Holds, Label, Source, Stop, Value};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, TestRng, TestRunner};
 use std::cell::RefCell;
@@ -10,7 +10,7 @@ use std::ops::RangeInclusive;
 
 /// What an engine showed of a theorem.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Report {
+pub struct Judgement {
     /// Whether the theorem holds for all cases, and every cover was reached.
     pub holds: bool,
     /// The values that were drawn.
@@ -29,8 +29,8 @@ pub struct Report {
 #[derive(Clone, Debug, Default)]
 struct Notes {
     covers: BTreeMap<&'static str, u64>,
-    /// The values of the present case by name, while a counterexample is told.
-    told: Option<String>,
+    /// The values of the present case by name, while a counterexample is described.
+    case: Option<String>,
 }
 
 impl Notes {
@@ -40,28 +40,28 @@ impl Notes {
         }
     }
 
-    fn tell(&mut self, name: &str, value: impl std::fmt::Display) {
-        if let Some(told) = &mut self.told {
-            let comma = if told.is_empty() { "" } else { ", " };
-            let _ = write!(told, "{comma}{name} = {value}");
+    fn describe(&mut self, name: &str, value: impl std::fmt::Display) {
+        if let Some(case) = &mut self.case {
+            let comma = if case.is_empty() { "" } else { ", " };
+            let _ = write!(case, "{comma}{name} = {value}");
         }
     }
 }
 
-fn report(
+fn judgement(
     labels: &[&'static str],
     scope: String,
     [cases, vacuous]: [u64; 2],
     notes: &Notes,
     failed: Option<String>,
-) -> Report {
+) -> Judgement {
     let covers: Vec<_> = labels.iter().map(|label| notes.covers.get(label).copied().unwrap_or(0)).collect();
     let unreached = labels.iter().zip(&covers).find(|(_, count)| **count == 0);
     let undeclared = notes.covers.keys().find(|label| !labels.contains(label));
     let counterexample = failed
         .or_else(|| unreached.map(|(label, _)| format!("never reached: {label}")))
         .or_else(|| undeclared.map(|label| format!("reached, but not declared: {label}")));
-    Report { holds: counterexample.is_none(), scope, cases, vacuous, covers, counterexample }
+    Judgement { holds: counterexample.is_none(), scope, cases, vacuous, covers, counterexample }
 }
 
 /// The exhaustive engine: an odometer whose digits are the values drawn, in their order.
@@ -95,7 +95,7 @@ impl Source for Exhaustive {
         }
         let value = small[self.digits[self.drawn].at];
         self.drawn += 1;
-        self.notes.tell(name, value);
+        self.notes.describe(name, value);
         value
     }
 
@@ -105,29 +105,29 @@ impl Source for Exhaustive {
 }
 
 impl Exhaustive {
-    /// Tries every case of the theorem's small scope, up to the first that fails.
+    /// Tries every case of the body's small scope, up to the first that fails.
     #[must_use]
-    pub fn judge(theorem: &Theorem) -> Report {
+    pub fn judge(covers: &[&'static str], body: fn(&mut Self) -> Holds) -> Judgement {
         let mut engine = Self::default();
         let (mut cases, mut vacuous) = (0, 0);
         let failed = loop {
             engine.drawn = 0;
             cases += 1;
-            match (theorem.exhaustive)(&mut engine) {
+            match body(&mut engine) {
                 Ok(()) => {}
                 Err(Stop::Vacuous) => vacuous += 1,
                 Err(Stop::Disproved(claim)) => {
-                    engine.notes.told = Some(String::new());
+                    engine.notes.case = Some(String::new());
                     engine.drawn = 0;
-                    let _ = (theorem.exhaustive)(&mut engine);
-                    break engine.notes.told.take().map(|told| format!("{claim} (where {told})"));
+                    let _ = body(&mut engine);
+                    break engine.notes.case.take().map(|case| format!("{claim} (where {case})"));
                 }
             }
             if !engine.advance() {
                 break None;
             }
         };
-        report(theorem.covers, engine.scope(), [cases, vacuous], &engine.notes, failed)
+        judgement(covers, engine.scope(), [cases, vacuous], &engine.notes, failed)
     }
 
     /// The next case; false after the last.
@@ -194,7 +194,7 @@ impl Source for Random {
             0..3 => small[of(small.len() as u128) as usize],
             _ => T::above(*full.start(), of(u128::from(high - low) + 1)),
         };
-        self.notes.tell(name, value);
+        self.notes.describe(name, value);
         value
     }
 
@@ -204,16 +204,10 @@ impl Source for Random {
 }
 
 impl Random {
-    /// Tries that many cases over the theorem's full scope, the same in every run; shrinks the
-    /// first that fails.
+    /// Tries that many cases over the body's full scope, the same in every run; shrinks the first
+    /// that fails.
     #[must_use]
-    pub fn judge(theorem: &Theorem, cases: u32) -> Report {
-        Self::judge_body(theorem.covers, theorem.random, cases)
-    }
-
-    /// The same for a body that has these covers.
-    #[must_use]
-    pub fn judge_body(covers: &[&'static str], body: fn(&mut Self) -> Holds, cases: u32) -> Report {
+    pub fn judge(covers: &[&'static str], body: fn(&mut Self) -> Holds, cases: u32) -> Judgement {
         let config =
             Config { cases, failure_persistence: None, max_shrink_iters: 100_000, ..Config::default() };
         let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
@@ -234,16 +228,16 @@ impl Random {
         let failed = match result {
             Ok(()) => None,
             Err(TestError::Fail(_, tape)) => {
-                engine.notes.told = Some(String::new());
+                engine.notes.case = Some(String::new());
                 let claim = match engine.play(body, tape) {
                     Err(Stop::Disproved(claim)) => claim,
                     _ => "does not fail again".to_owned(),
                 };
-                engine.notes.told.take().map(|told| format!("{claim} (where {told})"))
+                engine.notes.case.take().map(|case| format!("{claim} (where {case})"))
             }
             Err(TestError::Abort(reason)) => Some(reason.message().to_owned()),
         };
-        report(covers, "all values, at random".to_owned(), counts, &engine.notes, failed)
+        judgement(covers, "all values, at random".to_owned(), counts, &engine.notes, failed)
     }
 
     fn play(&mut self, body: fn(&mut Self) -> Holds, tape: Vec<u64>) -> Holds {

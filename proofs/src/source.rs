@@ -1,8 +1,9 @@
 //! Where a theorem's values come from: one body, several engines.
 //!
 //! A theorem is a plain function over a [`Source`]. It draws arbitrary values, assumes what it is
-//! about, and checks what it claims. Kani draws symbols and so speaks of all values; the engines
-//! of [`crate::engines`] draw the values of a small scope one after another, or values at random.
+//! about, and checks what it claims. Kani draws symbols, each of which stands for all values; the
+//! exhaustive engine draws the values of a small scope one after another, the random engine draws
+//! values at random.
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;
@@ -139,83 +140,5 @@ macro_rules! shown {
 macro_rules! cover {
     ($source:expr, $label:literal, $reached:expr) => {
         $source.cover(const { $crate::source::Label::new($label) }, $reached);
-    };
-}
-
-/// A registered theorem.
-#[cfg(not(kani))]
-pub struct Theorem {
-    /// The function's name.
-    pub name: &'static str,
-    /// The unit of the model, which is the module.
-    pub unit: &'static str,
-    /// The requirement of SPEC.md.
-    pub requirement: &'static str,
-    /// What holds, in English.
-    pub says: &'static str,
-    /// Cases that an engine has to reach.
-    pub covers: &'static [&'static str],
-    /// The body for the exhaustive engine.
-    pub exhaustive: fn(&mut crate::engines::Exhaustive) -> Holds,
-    /// The body for the random engine.
-    pub random: fn(&mut crate::engines::Random) -> Holds,
-}
-
-/// Declares the theorems of a unit: each a documentation comment, which is what the theorem says,
-/// its requirement, Kani's unwind bound, its covers, and its body.
-///
-/// An unwind bound is more than the longest loop's turns, and than the covers, of which there is a
-/// loop too; Kani tells when it is too low.
-#[macro_export]
-macro_rules! theorems {
-    ($unit:literal; $(
-        $(#[doc = $says:literal])+
-        #[$requirement:literal, unwind $unwind:literal, covers [$($cover:literal),+]]
-        fn $name:ident($source:ident) $body:block
-    )+) => {
-        $(
-            $(#[doc = $says])+
-            ///
-            /// # Errors
-            /// Where it does not hold for the values drawn, or does not speak of them.
-            pub fn $name<S: $crate::source::Source>($source: &mut S) -> $crate::source::Holds {
-                $body
-                Ok(())
-            }
-        )+
-
-        /// The theorems of this unit.
-        #[cfg(not(kani))]
-        pub const THEOREMS: &[$crate::source::Theorem] = &[$($crate::source::Theorem {
-            name: stringify!($name),
-            unit: $unit,
-            requirement: $requirement,
-            says: concat!($($says),+).trim_ascii_start(),
-            covers: &[$($cover),+],
-            exhaustive: $name::<$crate::engines::Exhaustive>,
-            random: $name::<$crate::engines::Random>,
-        }),+];
-
-        #[cfg(kani)]
-        #[cfg_attr(kani_stub, allow(dead_code))]
-        mod kani_proofs {
-            $(
-                #[cfg_attr(not(kani_stub), kani::proof, kani::unwind($unwind))]
-                fn $name() {
-                    const { assert!($unwind > [$($cover),+].len(), "Kani's loop over the covers") };
-                    // Constants: Kani shall not work them out.
-                    let labels = const { [$($crate::source::Label::new($cover)),+] };
-                    let mut symbols = $crate::kani_source::Symbols::new(labels);
-                    // A failed claim panics, and no case is vacuous: Kani assumes.
-                    let _ = super::$name(&mut symbols);
-                    let mut _cover = 0;
-                    $(
-                        #[cfg(not(kani_stub))]
-                        kani::cover!(symbols.reached(_cover), $cover);
-                        _cover += 1;
-                    )+
-                }
-            )+
-        }
     };
 }

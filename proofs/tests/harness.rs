@@ -1,7 +1,8 @@
 //! The harness itself: it fails what has to fail.
 
-use saarcor_proofs::engines::{Exhaustive, Random, Report};
-use saarcor_proofs::source::{Holds, Label, Source, Theorem};
+use saarcor_proofs::engines::Judgement;
+use saarcor_proofs::source::{Holds, Label, Source};
+use saarcor_proofs::theorem::Theorem;
 use saarcor_proofs::{assume, check, cover};
 use std::process::Command;
 
@@ -10,18 +11,20 @@ macro_rules! theorem {
     ([$($cover:literal),*], $body:ident) => {
         Theorem {
             name: "test",
-            unit: "test",
+            module: "test",
+            file: "test",
             requirement: "VM-1",
             says: "A test.",
             covers: &[$($cover),*],
+            not_for_kani: None,
             exhaustive: $body,
             random: $body,
         }
     };
 }
 
-fn both(theorem: &Theorem) -> [Report; 2] {
-    [Exhaustive::judge(theorem), Random::judge(theorem, 2_000)]
+fn both(theorem: &Theorem) -> [Judgement; 2] {
+    [theorem.judge_exhaustively(), theorem.judge_at_random(2_000)]
 }
 
 fn sum_is_small<S: Source>(s: &mut S) -> Holds {
@@ -60,16 +63,16 @@ fn scopes_that_depend_on_values_are_tried_whole() {
 
 #[test]
 fn unreached_cover_fails_a_true_theorem() {
-    for report in both(&theorem!(["even", "odd and even"], sum_is_small)) {
-        assert!(!report.holds);
-        assert_eq!(report.counterexample.as_deref(), Some("never reached: odd and even"));
+    for judgement in both(&theorem!(["even", "odd and even"], sum_is_small)) {
+        assert!(!judgement.holds);
+        assert_eq!(judgement.counterexample.as_deref(), Some("never reached: odd and even"));
     }
 }
 
 #[test]
 fn undeclared_cover_fails_a_true_theorem() {
-    for report in both(&theorem!([], sum_is_small)) {
-        assert_eq!(report.counterexample.as_deref(), Some("reached, but not declared: even"));
+    for judgement in both(&theorem!([], sum_is_small)) {
+        assert_eq!(judgement.counterexample.as_deref(), Some("reached, but not declared: even"));
     }
 }
 
@@ -83,9 +86,9 @@ fn never_speaks<S: Source>(s: &mut S) -> Holds {
 
 #[test]
 fn vacuous_theorem_fails() {
-    for report in both(&theorem!(["spoken"], never_speaks)) {
-        assert_eq!(report.cases, report.vacuous);
-        assert!(!report.holds);
+    for judgement in both(&theorem!(["spoken"], never_speaks)) {
+        assert_eq!(judgement.cases, judgement.vacuous);
+        assert!(!judgement.holds);
     }
 }
 
@@ -98,12 +101,12 @@ fn all_are_below_a_hundred<S: Source>(s: &mut S) -> Holds {
 }
 
 #[test]
-fn counterexample_is_told_and_shrunk() {
+fn counterexample_is_described_and_shrunk() {
     let [exhaustive, random] = both(&theorem!(["drawn"], all_are_below_a_hundred));
-    let told = exhaustive.counterexample.expect("disproved");
-    assert_eq!(told, "150 is no less than 100 (where unused = 0, a = 150)");
-    let told = random.counterexample.expect("disproved");
-    assert_eq!(told, "150 is no less than 100 (where unused = 0, a = 150)");
+    let case = exhaustive.counterexample.expect("disproved");
+    assert_eq!(case, "150 is no less than 100 (where unused = 0, a = 150)");
+    let case = random.counterexample.expect("disproved");
+    assert_eq!(case, "150 is no less than 100 (where unused = 0, a = 150)");
 }
 
 #[test]

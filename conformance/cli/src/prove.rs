@@ -1,7 +1,7 @@
 //! Theorems, the engines that judge them, and what each showed.
 
-use saarcor_proofs::engines::{Exhaustive, Random, Report};
-use saarcor_proofs::source::Theorem;
+use saarcor_proofs::engines::Judgement;
+use saarcor_proofs::theorem::Theorem;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt::{self, Write as _};
@@ -33,7 +33,7 @@ impl fmt::Display for Engine {
 
 /// What an engine showed of a theorem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub enum Verdict {
+pub enum EngineVerdict {
     /// It holds for all values.
     #[serde(rename = "proved")]
     Proved,
@@ -46,15 +46,19 @@ pub enum Verdict {
     /// The engine is absent, or gave no answer.
     #[serde(rename = "not run")]
     NotRun,
+    /// Kani cannot judge it; the theorem says why.
+    #[serde(rename = "not for kani")]
+    NotForKani,
 }
 
-impl fmt::Display for Verdict {
+impl fmt::Display for EngineVerdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
             Self::Proved => "proved",
             Self::Held => "held",
             Self::Disproved => "DISPROVED",
             Self::NotRun => "not run",
+            Self::NotForKani => "not for Kani",
         })
     }
 }
@@ -72,21 +76,58 @@ pub struct Listed {
     pub unit: &'static str,
     /// The cases that have to be reached.
     pub covers: &'static [&'static str],
+    /// The engines that can judge it.
+    pub engines: &'static [Engine],
+    /// Why Kani cannot, where it cannot.
+    pub not_for_kani: Option<&'static str>,
 }
 
 impl From<&Theorem> for Listed {
     fn from(theorem: &Theorem) -> Self {
-        let Theorem { name, requirement, says, unit, covers, .. } = *theorem;
-        Self { name, requirement, says, unit, covers }
+        const ALL: [Engine; 3] = [Engine::Exhaustive, Engine::Random, Engine::Kani];
+        let Theorem { name, requirement, says, covers, not_for_kani, .. } = *theorem;
+        let engines = if not_for_kani.is_none() { &ALL[..] } else { &ALL[..2] };
+        Self { name, requirement, says, unit: theorem.unit(), covers, engines, not_for_kani }
     }
 }
 
-/// The list of all theorems as the README shows it: a table in Markdown.
+impl Listed {
+    /// The line that shows it to a person.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let Self { name, requirement, says, unit, not_for_kani, .. } = self;
+        let why = not_for_kani.map_or_else(String::new, |why| format!(" (not for Kani: {why})"));
+        format!("{requirement:<5} {says} [{unit}::{name}]{why}")
+    }
+}
+
+/// The list of all theorems by their units: `proofs/THEOREMS.md`.
 #[must_use]
-pub fn readme_list() -> String {
-    let mut list = "| | theorem | name |\n|---|---|---|\n".to_owned();
-    for Theorem { name, unit, requirement, says, .. } in saarcor_proofs::theorems() {
-        let _ = writeln!(list, "| {requirement} | {says} | [`{name}`](proofs/src/{unit}.rs) |");
+pub fn theorem_list() -> String {
+    let count = saarcor_proofs::theorems().count();
+    let for_kani = saarcor_proofs::theorems().filter(|theorem| theorem.not_for_kani.is_none()).count();
+    let mut list = format!(
+        "# The theorems\n\n\
+         {count} theorems, unit by unit, of which Kani can judge {for_kani}; where it cannot, the last column says why.\n\
+         Every theorem is judged by exhaustion of a small scope (E) and at random (R), and where it can be by Kani (K):\n\
+         see [README.md](README.md). This page is generated from the theorems' own comments.\n"
+    );
+    let mut unit = "";
+    for theorem in saarcor_proofs::theorems() {
+        let Theorem { name, requirement, says, not_for_kani, .. } = theorem;
+        let file = theorem.file.trim_start_matches("proofs/");
+        if unit != theorem.unit() {
+            unit = theorem.unit();
+            let _ = write!(
+                list,
+                "\n## [`{unit}`]({file})\n\n| | theorem | name | engines |\n|---|---|---|---|\n"
+            );
+        }
+        let engines = match not_for_kani {
+            None => "K E R".to_owned(),
+            Some(why) => format!("E R; not for Kani: {why}"),
+        };
+        let _ = writeln!(list, "| {requirement} | {says} | [`{name}`]({file}) | {engines} |");
     }
     list
 }
@@ -116,7 +157,7 @@ pub struct Judged {
     /// The engine.
     pub engine: Engine,
     /// What it showed.
-    pub verdict: Verdict,
+    pub verdict: EngineVerdict,
     /// The values that it spoke of, or why it did not run.
     pub scope: String,
     /// Cases tried, vacuous ones included; none where values are symbols.
@@ -140,7 +181,7 @@ impl Judged {
         if let (Some(cases), Some(vacuous)) = (self.cases, self.vacuous) {
             let _ = write!(text, " {cases} cases, {vacuous} vacuous;");
         }
-        if *verdict != Verdict::NotRun {
+        if !matches!(verdict, EngineVerdict::NotRun | EngineVerdict::NotForKani) {
             let covers = self.theorem.covers.len();
             let _ = write!(text, " {} of {covers} covers; {seconds:.2} s;", self.covers_reached);
         }
@@ -151,35 +192,35 @@ impl Judged {
         text
     }
 
-    fn of(theorem: &Theorem, engine: Engine, judge: impl FnOnce() -> Report) -> Self {
+    fn of(theorem: &Theorem, engine: Engine, judge: impl FnOnce() -> Judgement) -> Self {
         let start = Instant::now();
-        let report = judge();
+        let judgement = judge();
         Self {
             theorem: theorem.into(),
             engine,
-            verdict: if report.holds { Verdict::Held } else { Verdict::Disproved },
-            scope: report.scope,
-            cases: Some(report.cases),
-            vacuous: Some(report.vacuous),
-            covers_reached: report.covers.iter().filter(|&&count| count > 0).count(),
+            verdict: if judgement.holds { EngineVerdict::Held } else { EngineVerdict::Disproved },
+            scope: judgement.scope,
+            cases: Some(judgement.cases),
+            vacuous: Some(judgement.vacuous),
+            covers_reached: judgement.covers.iter().filter(|&&count| count > 0).count(),
             seconds: start.elapsed().as_secs_f64(),
-            counterexample: report.counterexample,
+            counterexample: judgement.counterexample,
         }
     }
 
     /// By every value of the theorem's small scope.
     #[must_use]
     pub fn exhaustive(theorem: &Theorem) -> Self {
-        Self::of(theorem, Engine::Exhaustive, || Exhaustive::judge(theorem))
+        Self::of(theorem, Engine::Exhaustive, || theorem.judge_exhaustively())
     }
 
     /// By that many cases at random.
     #[must_use]
     pub fn random(theorem: &Theorem, cases: u32) -> Self {
-        Self::of(theorem, Engine::Random, || Random::judge(theorem, cases))
+        Self::of(theorem, Engine::Random, || theorem.judge_at_random(cases))
     }
 
-    fn by_kani(theorem: &Theorem, verdict: Verdict, scope: &str) -> Self {
+    fn by_kani(theorem: &Theorem, verdict: EngineVerdict, scope: &str) -> Self {
         Self {
             theorem: theorem.into(),
             engine: Engine::Kani,
@@ -194,7 +235,7 @@ impl Judged {
     }
 }
 
-/// By Kani: all of the theorems, one after another; `done` is told of each.
+/// By Kani: all of the theorems, one after another; calls `done` with each.
 ///
 /// The proofs are those of the workspace that the command is started in.
 pub fn by_kani(theorems: &[&Theorem], mut done: impl FnMut(&Judged)) -> Vec<Judged> {
@@ -205,31 +246,33 @@ pub fn by_kani(theorems: &[&Theorem], mut done: impl FnMut(&Judged)) -> Vec<Judg
         judged.push(result);
     };
     let why = run_kani(theorems, |name, result| {
-        if let Some(at) = left.iter().position(|theorem| harness(theorem) == name) {
+        if let Some(at) = left.iter().position(|theorem| theorem.harness() == name) {
             keep(result(left.remove(at)));
         }
     });
     for theorem in left {
-        keep(Judged::by_kani(theorem, Verdict::NotRun, &why));
+        keep(match theorem.not_for_kani {
+            Some(why) => Judged::by_kani(theorem, EngineVerdict::NotForKani, why),
+            None => Judged::by_kani(theorem, EngineVerdict::NotRun, &why),
+        });
     }
     judged
-}
-
-fn harness(theorem: &Theorem) -> String {
-    format!("{}::kani_proofs::{}", theorem.unit, theorem.name)
 }
 
 /// Starts `cargo kani` and hands on what it says of each harness; returns why it said nothing of
 /// those that are left.
 fn run_kani(theorems: &[&Theorem], mut each: impl FnMut(&str, &dyn Fn(&Theorem) -> Judged)) -> String {
+    if theorems.iter().all(|theorem| theorem.not_for_kani.is_some()) {
+        return String::new();
+    }
     let version = Command::new("cargo").args(["kani", "--version"]).stderr(Stdio::null()).output();
     if !version.is_ok_and(|version| version.status.success()) {
         return "Kani is absent: 'cargo kani --version' fails".to_owned();
     }
     let mut command = Command::new("cargo");
     command.args(["kani", "-p", "saarcor-proofs", "--exact"]);
-    for theorem in theorems {
-        command.args(["--harness", &harness(theorem)]);
+    for theorem in theorems.iter().filter(|theorem| theorem.not_for_kani.is_none()) {
+        command.args(["--harness", &theorem.harness()]);
     }
     let child = command.stdout(Stdio::piped()).stderr(Stdio::null()).stdin(Stdio::null()).spawn();
     let mut child = match child {
@@ -301,7 +344,7 @@ impl KaniResult {
         let reached = theorem.covers.iter().filter(|&&label| self.covers.contains(label)).count();
         let all_reached = reached == theorem.covers.len();
         let holds = self.succeeded && all_reached;
-        let verdict = if holds { Verdict::Proved } else { Verdict::Disproved };
+        let verdict = if holds { EngineVerdict::Proved } else { EngineVerdict::Disproved };
         let why = match (self.failed.is_empty(), all_reached) {
             (false, _) => self.failed.join("; "),
             (true, false) => format!("{reached} of {} covers were reached", theorem.covers.len()),
@@ -333,22 +376,22 @@ mod tests {
         );
         let theorem =
             saarcor_proofs::theorems().find(|theorem| theorem.covers.len() == 2).expect("one of two");
-        let text = text.replace("hash::kani_proofs::hash_names_a_set", &harness(theorem));
+        let text = text.replace("hash::kani_proofs::hash_names_a_set", &theorem.harness());
         let text = text.replace("COVER", theorem.covers[0]).replace("OTHER", theorem.covers[1]);
         let mut answer = KaniAnswer::default();
         let (name, said) = text.lines().find_map(|line| answer.read(line)).expect("a whole answer");
-        assert_eq!(name, harness(theorem));
+        assert_eq!(name, theorem.harness());
         said.judged(theorem)
     }
 
     #[test]
     fn kani_proves_with_all_covers_alone() {
         let proved = judged("SATISFIED", "", "SUCCESSFUL");
-        assert_eq!((proved.verdict, proved.covers_reached), (Verdict::Proved, 2));
+        assert_eq!((proved.verdict, proved.covers_reached), (EngineVerdict::Proved, 2));
         assert!((proved.seconds - 3.3).abs() < 0.1);
-        assert_eq!(judged("UNSATISFIABLE", "", "SUCCESSFUL").verdict, Verdict::Disproved);
+        assert_eq!(judged("UNSATISFIABLE", "", "SUCCESSFUL").verdict, EngineVerdict::Disproved);
         let failed = judged("SATISFIED", "Failed Checks: the theorem's claim", "FAILED");
-        assert_eq!(failed.verdict, Verdict::Disproved);
+        assert_eq!(failed.verdict, EngineVerdict::Disproved);
         assert_eq!(failed.counterexample.as_deref(), Some("the theorem's claim"));
     }
 }

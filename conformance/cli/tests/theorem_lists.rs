@@ -1,37 +1,65 @@
-//! The lists of theorems in README.md and SPEC.md are those of the code.
+//! The lists of theorems in proofs/THEOREMS.md, README.md and SPEC.md are those of the code.
 
-use saarcor_cli::prove::{readme_list, spec_list};
+use saarcor_cli::prove::{spec_list, theorem_list};
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const BEGIN: &str = "<!-- theorems -->\n";
 const END: &str = "<!-- end of theorems -->";
 
-/// Asserts that the list in `file` is `list`; writes it there if `SAARCOR_WRITE_LISTS` is set.
-fn assert_current(file: &str, list: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file);
-    let text = fs::read_to_string(&path).expect("the document");
-    let (before, rest) = text.split_once(BEGIN).expect("where the list begins");
-    let (current, after) = rest.split_once(END).expect("where the list ends");
+fn path(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file)
+}
+
+/// Asserts that the list in `file` is the one that is generated; writes `new` there if
+/// `SAARCOR_WRITE_LISTS` is set.
+fn assert_current(file: &str, is_current: bool, new: &str) {
     if std::env::var_os("SAARCOR_WRITE_LISTS").is_some() {
-        fs::write(&path, format!("{before}{BEGIN}{list}{END}{after}")).expect("the document again");
+        fs::write(path(file), new).expect("the document again");
     } else {
         assert!(
-            current == list,
+            is_current,
             "the list in {file} is old: SAARCOR_WRITE_LISTS=1 cargo test -p saarcor-cli --test theorem_lists"
         );
     }
 }
 
 #[test]
-fn readme_lists_the_theorems() {
-    assert_current("README.md", &readme_list());
+fn the_page_of_theorems_is_generated() {
+    let current = fs::read_to_string(path("proofs/THEOREMS.md")).unwrap_or_default();
+    let list = theorem_list();
+    assert_current("proofs/THEOREMS.md", current == list, &list);
 }
 
 #[test]
 fn specification_names_the_theorems() {
-    assert_current("model/SPEC.md", &spec_list());
+    let text = fs::read_to_string(path("model/SPEC.md")).expect("the specification");
+    let (before, rest) = text.split_once(BEGIN).expect("where the list begins");
+    let (current, after) = rest.split_once(END).expect("where the list ends");
+    let list = spec_list();
+    assert_current("model/SPEC.md", current == list, &format!("{before}{BEGIN}{list}{END}{after}"));
+}
+
+/// README.md shows some theorems in rows of a table: requirement, sentence, name with a link.
+#[test]
+fn readme_cites_theorems_as_they_are() {
+    let text = fs::read_to_string(path("README.md")).expect("the README");
+    let mut cited = BTreeSet::new();
+    for row in text.lines().filter(|line| line.starts_with('|') && line.contains("](proofs/src/")) {
+        let theorem = saarcor_proofs::theorems()
+            .find(|theorem| row.contains(&format!("[`{}`]({})", theorem.name, theorem.file)))
+            .unwrap_or_else(|| panic!("README.md: no theorem is named and lies as in {row}"));
+        assert!(row.contains(theorem.says), "README.md: {} says: {}", theorem.name, theorem.says);
+        assert!(
+            row.contains(theorem.requirement),
+            "README.md: {} is of {}",
+            theorem.name,
+            theorem.requirement
+        );
+        cited.insert(theorem.name);
+    }
+    assert!(cited.len() >= 8, "README.md cites {} theorems", cited.len());
 }
 
 #[test]

@@ -4,13 +4,13 @@ use crate::cli::Status;
 use crate::names::nearest;
 use crate::output::{Stdout, json_line};
 use crate::progress::Progress;
-use crate::prove::{Engine, Judged, Listed, Verdict, by_kani};
+use crate::prove::{Engine, EngineVerdict, Judged, Listed, by_kani};
 use anyhow::{Result, bail};
 use clap::ValueEnum as _;
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
 use rayon::prelude::*;
-use saarcor_proofs::source::Theorem;
+use saarcor_proofs::theorem::Theorem;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The theorems of the model, and what each engine shows of them
@@ -51,10 +51,7 @@ impl Args {
                 if self.json {
                     json_line(&mut out, &Listed::from(*theorem))?;
                 } else {
-                    out.line(format_args!(
-                        "{:<5} {} [{}::{}]",
-                        theorem.requirement, theorem.says, theorem.unit, theorem.name
-                    ))?;
+                    out.line(format_args!("{}", Listed::from(*theorem).text()))?;
                 }
             }
             return out.finish().map(|()| Status::Holds);
@@ -79,12 +76,12 @@ impl Args {
         out.finish()?;
 
         let count = |verdict| all.iter().filter(|judged| judged.verdict == verdict).count();
-        let (disproved, absent) = (count(Verdict::Disproved), count(Verdict::NotRun));
+        let (disproved, absent) = (count(EngineVerdict::Disproved), count(EngineVerdict::NotRun));
         progress.say(format_args!(
             "{} theorems: {} proved, {} held, {disproved} disproved, {absent} not run{}",
             theorems.len(),
-            count(Verdict::Proved),
-            count(Verdict::Held),
+            count(EngineVerdict::Proved),
+            count(EngineVerdict::Held),
             if engines.contains(&Engine::Kani) { "" } else { "; Kani not asked for (--engine kani)" },
         ));
         Ok(match (disproved, absent) {
@@ -116,14 +113,20 @@ impl Args {
     fn theorems(&self) -> Result<Vec<&'static Theorem>> {
         let all: Vec<_> = saarcor_proofs::theorems().collect();
         let Some(name) = &self.name else { return Ok(all) };
-        let chosen: Vec<_> =
-            all.iter().copied().filter(|theorem| theorem.name == name || theorem.unit == name).collect();
+        let chosen: Vec<_> = all.iter().copied().filter(|theorem| is_named(theorem, name)).collect();
         if chosen.is_empty() {
-            let names = all.iter().flat_map(|theorem| [theorem.name, theorem.unit]);
+            let names = all.iter().flat_map(|theorem| [theorem.name, theorem.unit()]);
             let hint =
                 nearest(name, names).map_or_else(String::new, |known| format!(": did you mean '{known}'?"));
             bail!("no theorem and no unit '{name}'{hint} ('saarcor prove --list' lists all)");
         }
         Ok(chosen)
     }
+}
+
+/// Whether `name` is the theorem's own, its unit's (`vm::set`, or `set` alone), or its group's
+/// (`vm`).
+fn is_named(theorem: &Theorem, name: &str) -> bool {
+    let unit = theorem.unit();
+    theorem.name == name || unit == name || unit.split("::").any(|part| part == name)
 }

@@ -1,11 +1,11 @@
-//! Theorems of the kd-tree (KD-1, KD-2): its bytes, and which trees the chip may be given.
+//! Theorems of the kd-tree (KD-2): which trees the chip may be given.
 
+use super::PLANES;
 use crate::draw::{self, BYTES, ENDS, WORDS};
 use crate::source::Source;
 use crate::{assume, check, check_eq, cover, theorems};
-use saarcor_model::host::{Axis, LIST_ENTRY_BYTES, ListEntry, NODE_BYTES, Node, NodeRecord, check_nodes};
+use saarcor_model::host::{Axis, Node, check_nodes};
 use saarcor_model::rays::{Children, Stack};
-use saarcor_model::vm::HostAddr;
 
 /// Nodes of the trees: the least number at which inner nodes are siblings, parent and child, and
 /// parent of siblings, and at which a pair of children can be shared whole, by half, or be beside
@@ -14,20 +14,6 @@ const NODES: usize = 5;
 
 /// A leaf without triangles.
 const LEAF: Node = Node::Leaf { first: 0, count: 0 };
-
-/// Bits of split planes: finite ones of all magnitudes, infinities and NaN.
-static PLANES: [u32; 10] = [
-    0,
-    1,
-    0x3f80_0000,
-    0x7f7f_ffff,
-    0x7f80_0000,
-    0x7f80_0001,
-    0x7fc0_0000,
-    0x8000_0000,
-    0xff7f_ffff,
-    0xff80_0000,
-];
 
 /// Five nodes, each a leaf or an inner node with children anywhere, in small scopes at some of
 /// `places`.
@@ -77,58 +63,7 @@ fn depth_of_tree(nodes: &[Node; NODES]) -> Option<usize> {
     is_tree.then_some(depth)
 }
 
-theorems! { "kdtree";
-    /// Any 8 bytes are one node, and the node has those bytes.
-    #["KD-1", unwind 9, covers ["a leaf", "an inner node", "a split plane that is NaN"]]
-    fn node_bytes_are_those_of_the_node(s) {
-        let first = s.value("first word", 0..=u32::MAX, &PLANES);
-        let second = s.value("second word", 0..=u32::MAX, &draw::EDGES);
-        let ([a, b, c, d], [e, f, g, h]) = (first.to_le_bytes(), second.to_le_bytes());
-        let bytes: [u8; NODE_BYTES as usize] = [a, b, c, d, e, f, g, h];
-        let node = NodeRecord::decode(bytes);
-        cover!(s, "a leaf", matches!(node, NodeRecord::Leaf { .. }));
-        cover!(s, "an inner node", matches!(node, NodeRecord::Inner { .. }));
-        cover!(s, "a split plane that is NaN", matches!(node, NodeRecord::Inner { split, .. } if split.is_nan()));
-        check_eq!(node.encode(), bytes, "{node:?}");
-    }
-
-    /// A node is read as it was written: axis, split plane and children, or list and count.
-    #["KD-1", unwind 5, covers ["x", "y", "z", "a leaf"]]
-    fn node_is_read_as_written(s) {
-        let kind = s.value("kind (x, y, z, leaf)", 0..=3, &BYTES[..4]);
-        let (first, second) = (s.value("split plane or count", 0..=u32::MAX, &PLANES), s.value("address / 4", 0..=u32::MAX >> 2, &WORDS));
-        let addr = HostAddr(second << 2);
-        cover!(s, "x", kind == 0);
-        cover!(s, "y", kind == 1);
-        cover!(s, "z", kind == 2);
-        cover!(s, "a leaf", kind == 3);
-        if kind == 3 {
-            let leaf = NodeRecord::Leaf { list: addr, count: first };
-            check_eq!(NodeRecord::decode(leaf.encode()), leaf, "a leaf");
-        } else {
-            let (axis, split) = (Axis::ALL[usize::from(kind)], f32::from_bits(first));
-            let node = NodeRecord::Inner { axis, split, below: addr };
-            // Bits instead of the plane itself: NaN is no equal of NaN.
-            let read = match NodeRecord::decode(node.encode()) {
-                NodeRecord::Inner { axis, split, below } => Some((axis, split.to_bits(), below)),
-                NodeRecord::Leaf { .. } => None,
-            };
-            check_eq!(read, Some((axis, first, addr)), "{node:?}");
-        }
-    }
-
-    /// An entry of a list is read as it was written, and any 4 bytes are one entry.
-    #["HI-3", unwind 5, covers ["tagged", "not tagged"]]
-    fn list_entry_is_read_as_written(s) {
-        let (triangle, tag) = (s.value("address / 4", 0..=u32::MAX >> 2, &WORDS) << 2, s.value("tag", 0..=3, &WORDS[..4]));
-        cover!(s, "tagged", tag > 0);
-        cover!(s, "not tagged", tag == 0);
-        let entry = ListEntry { triangle: HostAddr(triangle), tag };
-        check_eq!(ListEntry::decode(entry.encode()), entry, "address and tag");
-        let bytes: [u8; LIST_ENTRY_BYTES as usize] = (triangle | tag).to_le_bytes();
-        check_eq!(ListEntry::decode(bytes).encode(), bytes, "the bytes of {entry:?}");
-    }
-
+theorems! {
     /// A tree is accepted exactly if the children of each node follow it inside the tree, each node
     /// but the root has one parent, and no path has more inner nodes than the stack has room for.
     #["KD-2", unwind 7, covers ["accepted", "too deep", "two parents", "no parent", "outside", "before their parent"]]

@@ -1,16 +1,16 @@
 //! Theorems of the first-level caches, alone and in front of the virtual memory (L1-1, L1-2).
 //!
-//! **One witness**, as in [`crate::vm`], and **one step from any consistent state**: a cache of two
+//! **One witness**, as in [`super::virtual_memory`], and **one step from any consistent state**: a cache of two
 //! sets of two ways (Kani: one set, since sets know nothing of each other), with lines of three
 //! bytes, so that they are no power of two, as triangles are not. What a set of such a cache does is
 //! what the sets of the virtual memory do: it is the same code (`data_set_decides_like_the_set`). A
 //! read is made of steps, one a line ([`l1_reads_are_made_of_its_lines`]): there one way of one set is
 //! enough.
 
-use crate::data_set::data_set;
+use super::data_set::data_set;
+use super::virtual_memory::{self, Watched};
 use crate::draw::{self, BYTES, ENDS, WORDS};
 use crate::source::{Source, Stop};
-use crate::vm::{self, Watched};
 use crate::{assume, check, check_eq, cover, shown, theorems};
 use saarcor_model::vm::{DataSet, FirstLevel, HostAddr, HostMemory, LineAddr, Memory, Outcome, Policy, Unit};
 
@@ -119,12 +119,12 @@ fn base(s: &mut impl Source) -> HostAddr {
 
 /// Any watched byte. Small scope: bytes of lines 0 to 4.
 fn watched(s: &mut impl Source) -> Watched {
-    let mut watched = vm::watched(s);
+    let mut watched = virtual_memory::watched(s);
     watched.addr = s.value("watched address", 0..=u32::MAX, &[0, 1, 3, 5, 7, 13]);
     watched
 }
 
-theorems! { "l1";
+theorems! {
     /// In any consistent state a line of a first-level cache is what lies behind it, whether it was
     /// there or not; what the cache holds stays right, and each use is counted as a hit or a miss.
     #["L1-1", unwind 6, covers ["found", "loaded", "another line", "evicted"]]
@@ -266,7 +266,7 @@ theorems! { "l1";
     /// next is the new one.
     #["L1-2", unwind 3, covers ["in both", "in one alone"]]
     fn l1_over_virtual_memory_is_transparent(s) {
-        let mut memory = vm::memory::<S, 1, 1>(s, &WORDS[..2])?;
+        let mut memory = virtual_memory::memory::<S, 1, 1>(s, &WORDS[..2])?;
         // Lines of two bytes, as the virtual memory has.
         let mut l1 = l1::<S, 1, 1, 2>(s, HostAddr(0))?;
         let addr = HostAddr(memory.host.addr);

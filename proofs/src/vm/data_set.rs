@@ -89,7 +89,7 @@ fn used(
     (after, outcome, write_back.is_some())
 }
 
-theorems! { "data_set";
+theorems! {
     /// After any access, write or invalidation a set with bytes is legal: only resident lines are
     /// dirty.
     #["VM-13", unwind 8, covers ["access", "write", "invalidation", "dirty"]]

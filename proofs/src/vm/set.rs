@@ -61,7 +61,7 @@ fn recent<S: Source, const WAYS: usize, const MOST: usize>(
 /// Declares theorems whose bodies are generic over the number of ways; the theorem is that they
 /// hold for 1, 2 and 4.
 macro_rules! set_theorems {
-    ($( $(#[doc = $says:literal])+ #[$requirement:literal, unwind $unwind:literal, covers [$($cover:literal),+]] fn $name:ident($source:ident) $body:block )+) => {
+    ($( $(#[doc = $says:literal])+ #[$requirement:literal, $kani:ident $how:literal, covers [$($cover:literal),+]] fn $name:ident($source:ident) $body:block )+) => {
         /// The bodies, for sets of any number of ways.
         pub mod bodies {
             use super::*;
@@ -88,9 +88,9 @@ macro_rules! set_theorems {
             },
         )),+];
 
-        theorems! { "set"; $(
+        theorems! { $(
             $(#[doc = $says])+
-            #[$requirement, unwind $unwind, covers [$($cover),+]]
+            #[$requirement, $kani $how, covers [$($cover),+]]
             fn $name($source) {
                 any_ways!($source, bodies::$name)
             }

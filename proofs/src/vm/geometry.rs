@@ -37,7 +37,7 @@ fn place(s: &mut impl Source, geometry: Geometry) -> (u32, u8, u64) {
     (set, way, u64::from(geometry.card_addr(SetIndex(set), Way(way)).0))
 }
 
-theorems! { "geometry";
+theorems! {
     /// Sizes make a cache exactly if memory, line and ways are powers of two, the memory has at
     /// most 4 GiB, there are at most 16 ways, and the memory holds at least one set.
     #["VM-1", unwind 8, covers ["legal", "memory no power of two", "line too long", "too many ways"]]

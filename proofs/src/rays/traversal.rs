@@ -130,7 +130,7 @@ fn is_before(stack: &Stack<Part, ROOM>, at: Part, visited: u8, end: u8) -> bool 
     ordered && fits && at.end == next
 }
 
-theorems! { "traversal";
+theorems! {
     /// A packet that walks a tree visits every leaf that it is led to, each once, near before far,
     /// and no other; the stack never holds more children than there are inner nodes above.
     #["KD-4", unwind 17, covers ["five leaves or more", "one leaf", "a full stack", "leaves of two levels"]]

@@ -16,9 +16,9 @@
 //! metadata cache of one way: each granule evicts the one before. More ways, and their
 //! replacement, are those of the sets with bytes (`data_set`).
 
+use super::directory;
 use crate::draw::{self, BYTES, WORDS};
 use crate::source::{Source, Stop};
-use crate::vm;
 use crate::{assume, check, check_eq, cover, shown, theorems};
 use saarcor_model::vm::{
     CacheConfig, CachedMetadata, DataSet, Directory, ENTRY_BYTES, LineAddr, Metadata, MetadataTraffic,
@@ -116,7 +116,7 @@ fn set<S: Source>(s: &mut S, policy: Policy) -> Result<Set<WAYS>, Stop> {
 fn any<S: Source, const GRANULE: usize>(
     s: &mut S,
 ) -> Result<([u8; MOST_BYTES], B<GRANULE>, Set<WAYS>, usize), Stop> {
-    let config = vm::config::<S, WAYS, SETS>(s)?;
+    let config = directory::config::<S, WAYS, SETS>(s)?;
     // The only set is a constant to Kani, and with it every place of its metadata.
     let own = if SETS == 1 { 0 } else { s.value("set", 0..=SETS as u32 - 1, draw::words(0, SETS)) as usize };
     let set = set(s, config.policy)?;
@@ -147,12 +147,12 @@ impl<const WAYS: usize> Metadata<WAYS> for Told<WAYS> {
     fn clear(&mut self) {}
 }
 
-theorems! { "metadata_cache";
+theorems! {
     /// Whatever metadata a directory has, of whatever version: an access loads the set of its line,
     /// answers by that set's step, and stores what the step makes of it, unless that is nothing new.
     #["VM-13", unwind 5, covers ["hit", "miss", "nothing stored"]]
     fn directory_answers_from_what_it_loads(s) {
-        let config = vm::config::<S, 2, 2>(s)?;
+        let config = directory::config::<S, 2, 2>(s)?;
         let set = draw::set_of::<S, 2>(s, config.policy)?;
         let mut directory = Directory::over(config, Told { load: set, asked: None, stored: None });
         let line = draw::line(s, &WORDS[..4]);
@@ -170,7 +170,7 @@ theorems! { "metadata_cache";
     /// without the line if it was there.
     #["VM-13", unwind 5, covers ["forgotten", "not there"]]
     fn directory_invalidates_what_it_loads(s) {
-        let config = vm::config::<S, 2, 2>(s)?;
+        let config = directory::config::<S, 2, 2>(s)?;
         let set = draw::set_of::<S, 2>(s, config.policy)?;
         let mut directory = Directory::over(config, Told { load: set, asked: None, stored: None });
         let addr = draw::addr(s, &[0, 1, 2, 3, 4, 7]);

@@ -23,7 +23,7 @@ fn turned(bits: [u8; ENTRY_BYTES], error: u64) -> [u8; ENTRY_BYTES] {
     turned
 }
 
-theorems! { "metadata";
+theorems! {
     /// The 40 bits of an entry hold any line address of the 32-bit host space, whether it is
     /// resident, and 4 management bits: decoding gives back what was encoded.
     #["VM-12", unwind 8, covers ["resident", "all 32 bits of the line", "way 15"]]

@@ -4,7 +4,7 @@ use crate::draw::{self, EDGES, ENDS, WORDS};
 use crate::{assume, check, check_eq, cover, theorems};
 use saarcor_model::vm::{Hash, LineAddr, SetIndex};
 
-theorems! { "hash";
+theorems! {
     /// The hash names a set that there is, for every line and any number of sets up to 2^32.
     // Each turn of `add-upper-all` drops at least one of the 32 bits of a line.
     #["VM-3", unwind 34, covers ["one set", "last set", "upper bits"]]

@@ -1,0 +1,3 @@
+//! Theorems of rays: the traversal of the kd-tree.
+
+pub mod traversal;

@@ -1,0 +1,185 @@
+//! Theorems of the virtual memory: the bytes that are read are the host's (VM-6, VM-8 to VM-10).
+//!
+//! **One witness.** One arbitrary byte of the host is watched, and one word remembers what it
+//! holds; of the rest of the host nothing is known. What holds of an arbitrary byte holds of all.
+//!
+//! **One step from any consistent state.** A state is consistent if what is on the card is the
+//! host's. Every step keeps that, and in every such state a read returns the host's byte: reads
+//! (`reads_keep_the_card_the_hosts`), host writes followed by their invalidation
+//! (`host_writes_and_invalidation_keep_the_card_the_hosts`), and invalidations by themselves, which
+//! only forget lines (`invalidation_forgets_exactly_the_range`). The card is that of the theorems of
+//! the [directory](super::directory).
+
+use super::directory::{LINE, SETS, WAYS, addr, directory};
+use crate::draw::{BYTES, WORDS};
+use crate::source::{Source, Stop};
+use crate::{assume, check_eq, cover, shown, theorems};
+use saarcor_model::vm::{Directory, HostAddr, HostMemory, Memory, Outcome, Unit, VirtualMemory, Way};
+use std::cell::Cell;
+
+/// Host memory of which one byte is known, and what went over the bus.
+#[derive(Clone, Debug)]
+pub struct Watched {
+    /// Address of the byte.
+    pub addr: u32,
+    /// The byte.
+    pub byte: u8,
+    /// What every other byte reads as.
+    pub other: u8,
+    /// Reads.
+    pub reads: Cell<u32>,
+    /// Bytes read.
+    pub moved: Cell<usize>,
+}
+
+impl HostMemory for Watched {
+    fn read(&self, addr: HostAddr, bytes: &mut [u8]) {
+        self.reads.set(self.reads.get() + 1);
+        self.moved.set(self.moved.get() + bytes.len());
+        for i in 0..bytes.len() {
+            bytes[i] = if addr.0.wrapping_add(i as u32) == self.addr { self.byte } else { self.other };
+        }
+    }
+}
+
+/// Any watched byte. Small scope: the bytes of lines 0, 1, 2 and 5.
+pub fn watched(s: &mut impl Source) -> Watched {
+    Watched {
+        addr: s.value("watched address", 0..=u32::MAX, &[0, 3, 4, 11]),
+        byte: s.value("watched byte", 0..=u8::MAX, &BYTES[1..2]),
+        other: s.value("other bytes", 0..=u8::MAX, &BYTES[..1]),
+        reads: Cell::new(0),
+        moved: Cell::new(0),
+    }
+}
+
+/// Where the watched byte lies on the card, if it does.
+fn on_card<const WAYS: usize>(memory: &VirtualMemory<Watched, WAYS>) -> Option<usize> {
+    let config = memory.directory.config;
+    let addr = HostAddr(memory.host.addr);
+    let (line, set) = (config.geometry.line_of(addr), config.set_of(config.geometry.line_of(addr)));
+    let way: Way = memory.directory.sets()[set.0 as usize].way_of(line)?;
+    Some(config.geometry.card_addr(set, way).0 as usize + config.geometry.offset_of(addr) as usize)
+}
+
+/// Any virtual memory in any consistent state: the watched byte, if it is on the card, is right
+/// there. Small scope: the lines of `small`.
+pub fn memory<S: Source, const WAYS: usize, const SETS: usize>(
+    s: &mut S,
+    small: &'static [u32],
+) -> Result<VirtualMemory<Watched, WAYS>, Stop> {
+    let directory = directory::<S, WAYS, SETS>(s, small)?;
+    let host = watched(s);
+    let bytes: [u8; 8] = s.value("bytes on the card", 0..=u64::MAX, &[0]).to_le_bytes();
+    let mut memory = VirtualMemory { directory, card: bytes[..WAYS * SETS * LINE].to_vec(), host };
+    if let Some(place) = on_card(&memory) {
+        memory.card[place] = memory.host.byte;
+    }
+    Ok(memory)
+}
+
+theorems! {
+    /// In any consistent state a byte read is the host's, whether its line is on the card or not.
+    #["VM-9", unwind 5, covers ["read from the card", "read from the host"]]
+    fn reads_return_the_hosts_bytes(s) {
+        let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
+        let state = shown!(memory.clone());
+        let mut byte = [0xff];
+        let outcome = memory.read_in_line(HostAddr(memory.host.addr), &mut byte);
+        cover!(s, "read from the card", matches!(outcome, Outcome::Hit { .. }));
+        cover!(s, "read from the host", matches!(outcome, Outcome::Miss { .. }));
+        check_eq!(byte[0], memory.host.byte, "byte {} read from {state:?}", memory.host.addr);
+    }
+
+    /// Whatever byte is read, and whatever line is loaded and evicted for it, what is on the card
+    /// stays the host's.
+    #["VM-9", unwind 5, covers ["evicted", "loaded", "stays"]]
+    fn reads_keep_the_card_the_hosts(s) {
+        let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
+        let before = shown!(memory.clone());
+        let was_on_card = on_card(&memory).is_some();
+        let addr = addr(s);
+        memory.read_in_line(addr, &mut [0]);
+        let now_on_card = on_card(&memory);
+        cover!(s, "evicted", was_on_card && now_on_card.is_none());
+        cover!(s, "loaded", !was_on_card && now_on_card.is_some());
+        cover!(s, "stays", was_on_card && now_on_card.is_some());
+        if let Some(place) = now_on_card {
+            check_eq!(memory.card[place], memory.host.byte, "{addr:?} read from {before:?}: byte {place} of the card");
+        }
+    }
+
+    /// After the host has written a byte and it was invalidated, it is not on the card: what is on
+    /// the card stays the host's. The rest of the card stays as it was.
+    #["VM-9", unwind 5, covers ["written while on the card", "written while not"]]
+    fn host_writes_and_invalidation_keep_the_card_the_hosts(s) {
+        let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
+        let before = memory.card.clone();
+        let was_on_card = on_card(&memory).is_some();
+        cover!(s, "written while on the card", was_on_card);
+        cover!(s, "written while not", !was_on_card);
+        memory.host.byte = s.value("byte written", 0..=u8::MAX, &BYTES[2..3]);
+        memory.invalidate(HostAddr(memory.host.addr), 1);
+        check_eq!(on_card(&memory), None, "byte {} of {memory:?}", memory.host.addr);
+        let place = s.value("byte on the card", 0..=7, &BYTES[..8]);
+        check_eq!(memory.card[usize::from(place)], before[usize::from(place)], "byte {place} of {memory:?}");
+    }
+
+    /// A read that straddles lines returns the host's byte at each place, and zero beyond the end
+    /// of the address space.
+    // Four bytes meet up to three lines of two. A read is made of reads of one line each, of which
+    // `reads_return_the_hosts_bytes` speaks: to Kani one set of one way shows how it is made of them.
+    #["VM-10", unwind 5, covers ["in the second line", "beyond the end"]]
+    fn reads_across_lines_return_the_hosts_bytes(s) {
+        const WAYS: usize = if cfg!(kani) { 1 } else { self::WAYS };
+        const SETS: usize = if cfg!(kani) { 1 } else { self::SETS };
+        let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
+        let addr = s.value("address", 0..=u32::MAX, &[0, 1, 2, 3, 8, u32::MAX - 1, u32::MAX]);
+        let place = s.value("place", 0..=3, &BYTES[..4]);
+        let state = shown!(memory.clone());
+        let mut bytes = [0xff; 4];
+        memory.read(Unit::Intersection, HostAddr(addr), &mut bytes);
+        let got = bytes[usize::from(place)];
+        match addr.checked_add(u32::from(place)) {
+            None => {
+                cover!(s, "beyond the end", true);
+                check_eq!(got, 0, "byte {place} of 4 at {addr} from {state:?}");
+            }
+            Some(at) => {
+                assume!(at == memory.host.addr);
+                cover!(s, "in the second line", place >= 2);
+                check_eq!(got, memory.host.byte, "byte {place} of 4 at {addr} from {state:?}");
+            }
+        }
+    }
+
+    /// Each miss moves exactly one line over the bus, from its first byte on; a hit moves none.
+    #["VM-6", unwind 5, covers ["hit", "miss"]]
+    fn miss_moves_one_line_and_hit_none(s) {
+        let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
+        let addr = addr(s);
+        let state = shown!(memory.clone());
+        let mut byte = [0];
+        let outcome = memory.read_in_line(addr, &mut byte);
+        let expected = match outcome {
+            Outcome::Hit { .. } => (0, 0),
+            Outcome::Miss { .. } => (1, LINE),
+        };
+        cover!(s, "hit", expected.0 == 0);
+        cover!(s, "miss", expected.0 == 1);
+        check_eq!((memory.host.reads.get(), memory.host.moved.get()), expected, "reads and bytes of {addr:?} from {state:?}");
+    }
+
+    /// After a flush no line is resident, the sets are as in a new cache, and the counters go on.
+    #["VM-8", unwind 5, covers ["lines were resident"]]
+    fn flush_forgets_all(s) {
+        let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
+        memory.directory.counters.accesses = 7;
+        let before = memory.directory.clone();
+        cover!(s, "lines were resident", before.sets()[1].resident[1]);
+        memory.flush();
+        let new = Directory::<WAYS>::new(before.config);
+        check_eq!(memory.directory.sets(), new.sets(), "flush of {before:?}");
+        check_eq!(memory.directory.counters, before.counters, "counters after the flush of {before:?}");
+    }
+}
