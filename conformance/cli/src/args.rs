@@ -1,87 +1,33 @@
 //! What arguments mean, and the groups of arguments that verbs share.
 
-use crate::kept_worlds::KeptWorlds;
 use crate::limits::check_state;
-use crate::simulate::PacketOrder;
-use crate::standard;
-use crate::walk::{PacketSize, TraceOptions};
-use crate::world::{World, WorldOptions};
+use crate::size::Size;
 use anyhow::{Context, Result};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use saarcor_kit::vm::config::{Choices, HASHES, POLICIES, name_of, named};
+use saarcor_kit::vm::config::{HASHES, POLICIES};
 use saarcor_model::rays::Kernel;
 use saarcor_model::time::standard::{self as numbers, CHIP_CACHE_WAYS};
 use saarcor_model::time::{ChipConfig, PciConfig, UNIT_NAMES, Version};
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy, Unit};
 use saarcor_scenes::kdbuild::{BuildOptions, SplitRule};
+use saarcor_studies::error::ParseError;
+use saarcor_studies::names::{BUSES, KERNELS, Names, ORDERS, PACKETS, TREES, VERSIONS, WAYS, name_of};
+use saarcor_studies::simulate::PacketOrder;
+use saarcor_studies::standard;
+use saarcor_studies::sweep::AXES;
+use saarcor_studies::trace::{PacketSize, TraceOptions};
+use saarcor_studies::world::kept::KeptWorlds;
+use saarcor_studies::world::{World, WorldOptions};
 use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
-/// The triangle tests by their names.
-pub const KERNELS: Choices<Kernel> = &[
-    ("moller-trumbore", Kernel::MollerTrumbore),
-    ("wald", Kernel::Wald),
-    ("plucker", Kernel::Plucker),
-    ("watertight", Kernel::Watertight),
-    ("adaptive", Kernel::Adaptive),
-];
-const TREES: Choices<SplitRule> = &[("sah", SplitRule::SurfaceArea), ("median", SplitRule::SpatialMedian)];
-const PACKETS: Choices<PacketSize> = &[
-    ("1", PacketSize::Rays1),
-    ("4", PacketSize::Rays4),
-    ("16", PacketSize::Rays16),
-    ("64", PacketSize::Rays64),
-];
-const VERSIONS: Choices<Version> = &[("none", Version::None), ("a", Version::A), ("b", Version::B)];
-const ORDERS: Choices<PacketOrder> = &[("scan", PacketOrder::Scan), ("morton", PacketOrder::Morton)];
-const BUSES: Choices<PciConfig> =
-    &[("33x32", PciConfig::BITS_32_AT_33_MHZ), ("66x64", PciConfig::BITS_64_AT_66_MHZ)];
-const WAYS: Choices<u32> = &[("1", 1), ("2", 2), ("4", 4), ("8", 8), ("16", 16)];
-
 /// An argument that is one of `choices`.
-pub fn choice<T: Copy + Send + Sync>(choices: Choices<T>) -> impl TypedValueParser<Value = T> {
+pub fn choice<T: Copy + Send + Sync>(choices: Names<T>) -> impl TypedValueParser<Value = T> {
     PossibleValuesParser::new(choices.iter().map(|(name, _)| *name)).map(move |given| {
         let chosen = choices.iter().find(|(name, _)| *name == given);
         chosen.expect("the parser lets only these names pass").1
     })
-}
-
-/// The name of a triangle test.
-#[must_use]
-pub fn kernel_name(kernel: Kernel) -> &'static str {
-    name_of(KERNELS, &kernel)
-}
-
-/// A size in bytes: `128`, `64KiB`, `8MiB`, `1GiB`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Size(pub Bytes);
-
-/// Units of sizes, the largest first, with their binary logarithms.
-const UNITS: [(&str, u32); 4] = [("GiB", 30), ("MiB", 20), ("KiB", 10), ("", 0)];
-
-impl FromStr for Size {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let right = "write bytes, KiB, MiB or GiB, such as 128 or 8MiB";
-        let (unit, shift) = UNITS.into_iter().find(|(unit, _)| text.ends_with(unit)).unwrap_or_default();
-        let digits = &text[..text.len() - unit.len()];
-        if digits.is_empty() || !digits.bytes().all(|digit| digit.is_ascii_digit()) {
-            return Err(format!("no size; {right}"));
-        }
-        let number = digits.parse::<u64>().ok().and_then(|number| number.checked_mul(1 << shift));
-        number.map(|bytes| Self(Bytes(bytes))).ok_or_else(|| "too large a size".to_owned())
-    }
-}
-
-impl fmt::Display for Size {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Bytes(bytes) = self.0;
-        let fits = |(_, shift): &(&str, u32)| bytes != 0 && bytes % (1 << shift) == 0;
-        let (unit, shift) = UNITS.into_iter().find(fits).unwrap_or_default();
-        write!(f, "{}{unit}", bytes >> shift)
-    }
 }
 
 /// Frames of a path, half open: `A..B`, `A..`, `..B` or `..`.
@@ -92,22 +38,22 @@ pub struct FrameRange {
 }
 
 impl FromStr for FrameRange {
-    type Err = String;
+    type Err = ParseError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        let right = || "write A..B for the frames from A on and before B".to_owned();
+    fn from_str(text: &str) -> Result<Self, ParseError> {
+        let right = || ParseError::new("write A..B for the frames from A on and before B");
         let (begin, end) = text.split_once("..").ok_or_else(right)?;
         let bound = |bound: &str| match bound {
             "" => Ok(None),
             number if number.bytes().all(|digit| digit.is_ascii_digit()) => {
-                number.parse().map(Some).map_err(|_| "too large a frame".to_owned())
+                number.parse().map(Some).map_err(|_| ParseError::new("too large a frame"))
             }
             _ => Err(right()),
         };
         let (begin, end) = (bound(begin)?, bound(end)?);
         match end {
             Some(end) if end <= begin.unwrap_or(0) => {
-                Err("no frames: B itself is not among the frames of A..B".to_owned())
+                Err(ParseError::new("no frames: B itself is not among the frames of A..B"))
             }
             _ => Ok(Self { begin, end }),
         }
@@ -141,13 +87,14 @@ pub struct Resolution {
 const MAX_SIDE: u32 = 16384;
 
 impl FromStr for Resolution {
-    type Err = String;
+    type Err = ParseError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, ParseError> {
         let side = |text: &str| text.parse().ok().filter(|side| (1..=MAX_SIDE).contains(side));
         let sides = text.split_once('x').and_then(|(width, height)| side(width).zip(side(height)));
-        let (width, height) = sides
-            .ok_or_else(|| format!("write WIDTHxHEIGHT, such as 1024x768, of 1 to {MAX_SIDE} pixels"))?;
+        let (width, height) = sides.ok_or_else(|| {
+            ParseError::new(format!("write WIDTHxHEIGHT, such as 1024x768, of 1 to {MAX_SIDE} pixels"))
+        })?;
         Ok(Self { width, height })
     }
 }
@@ -271,10 +218,10 @@ pub struct UnitSize {
 }
 
 impl FromStr for UnitSize {
-    type Err = String;
+    type Err = ParseError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        let right = || format!("write UNIT=SIZE with a unit of {}", UNIT_NAMES.join(", "));
+    fn from_str(text: &str) -> Result<Self, ParseError> {
+        let right = || ParseError::new(format!("write UNIT=SIZE with a unit of {}", UNIT_NAMES.join(", ")));
         let (unit, size) = text.split_once('=').ok_or_else(right)?;
         let unit = UNIT_NAMES.iter().position(|name| *name == unit).ok_or_else(right)?;
         Ok(Self { unit, size: size.parse()? })
@@ -361,29 +308,20 @@ impl ChipArgs {
     }
 }
 
-/// What a sweep can vary, each with the values that it takes if none are named. (Lines of 32 bytes
-/// are less than the standard lines of two first-level caches, and so make no chip by themselves.)
-pub const AXES: [(&str, &str); 13] = [
-    ("line", "64,128,256,512,1KiB,2KiB,4KiB"),
-    ("ways", "1,2,4,8,16"),
-    ("hash", "low,add-upper,add-upper-all"),
-    ("memory", "4MiB,8MiB,16MiB,32MiB,64MiB"),
-    ("policy", "lru,fifo,plru"),
-    ("pci", "33x32,66x64"),
-    ("threads", "1,2,4,8,16,32"),
-    ("metadata-cache", "16KiB,32KiB,64KiB,128KiB,256KiB"),
-    ("granule", "16,32,64,128"),
-    ("triangle-cache", "144KiB,576KiB"),
-    ("shading-line", "16,32,64"),
-    ("banks", "2,4,8,16"),
-    ("variant", "none,a,b"),
-];
+/// The value of this name.
+fn named<T: Copy>(names: Names<T>, name: &str) -> Result<T, ParseError> {
+    let found = names.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
+    found.ok_or_else(|| {
+        let names: Vec<_> = names.iter().map(|(name, _)| *name).collect();
+        ParseError::new(format!("write one of {}", names.join(", ")))
+    })
+}
 
 /// Gives one of the [`AXES`] a value.
 ///
 /// # Errors
 /// What would be right, where it is none.
-pub fn vary(axis: &str, value: &str, cache: &mut CacheArgs, chip: &mut ChipArgs) -> Result<(), String> {
+pub fn vary(axis: &str, value: &str, cache: &mut CacheArgs, chip: &mut ChipArgs) -> Result<(), ParseError> {
     match axis {
         "line" => cache.geometry.line = value.parse()?,
         "ways" => cache.geometry.ways = named(WAYS, value)?,
@@ -391,9 +329,10 @@ pub fn vary(axis: &str, value: &str, cache: &mut CacheArgs, chip: &mut ChipArgs)
         "memory" => cache.memory = Some(value.parse()?),
         "policy" => cache.policy = named(POLICIES, value)?,
         "pci" => chip.pci = named(BUSES, value)?,
-        "banks" => chip.banks = value.parse().map_err(|_| "write a number of banks")?,
+        "banks" => chip.banks = value.parse().map_err(|_| ParseError::new("write a number of banks"))?,
         "threads" => {
-            chip.threads_per_rtp = value.parse().map_err(|_| "write a number of threads a pipeline")?
+            let right = |_| ParseError::new("write a number of threads a pipeline");
+            chip.threads_per_rtp = value.parse().map_err(right)?;
         }
         "metadata-cache" => chip.metadata_cache = value.parse()?,
         "granule" => chip.granule = value.parse()?,
@@ -406,7 +345,7 @@ pub fn vary(axis: &str, value: &str, cache: &mut CacheArgs, chip: &mut ChipArgs)
         "variant" => chip.variant = named(VERSIONS, value)?,
         _ => {
             let known: Vec<_> = AXES.iter().map(|(name, _)| *name).collect();
-            return Err(format!("no such axis; write one of {}", known.join(", ")));
+            return Err(ParseError::new(format!("no such axis; write one of {}", known.join(", "))));
         }
     }
     Ok(())
@@ -441,27 +380,6 @@ impl TraceArgs {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn sizes_read_back_as_they_are_written() {
-        for (text, bytes) in [("128", 128), ("64KiB", 65_536), ("8MiB", 8 << 20), ("1GiB", 1 << 30), ("0", 0)]
-        {
-            assert_eq!(text.parse(), Ok(Size(Bytes(bytes))));
-            assert_eq!(Size(Bytes(bytes)).to_string(), text);
-        }
-        assert_eq!("1024KiB".parse(), "1MiB".parse::<Size>());
-        assert_eq!(Size(Bytes(1536)).to_string(), "1536");
-    }
-
-    #[test]
-    fn what_is_no_size_is_refused() {
-        for text in ["", "8M", "8MB", "MiB", "-1", "1.5MiB", "+8", " 8", "0x10", "8 MiB", "8mib"] {
-            assert!(text.parse::<Size>().is_err_and(|error| error.contains("8MiB")), "{text}");
-        }
-        for text in ["18446744073709551616", "99999999999GiB"] {
-            assert!(text.parse::<Size>().is_err_and(|error| error.contains("large")), "{text}");
-        }
-    }
 
     #[test]
     fn ranges_are_half_open() {

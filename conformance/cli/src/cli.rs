@@ -1,28 +1,19 @@
 //! The verbs, exit statuses, and how errors are shown.
 
-use crate::embree::Absent;
 use crate::output::{ClosedPipe, Stdout};
 use crate::progress::Progress;
+use crate::status::Status;
 use crate::verbs::{
     accuracy, conform, crosscheck, metadata, prove, render, reproduce, scenes, simulate, sweep, trace, walk,
 };
 use anyhow::{Context, Result};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
+use saarcor_oracles::embree::EmbreeError;
+use saarcor_studies::StudyError;
 use std::ffi::OsString;
 use std::io::Write as _;
 use std::process::ExitCode;
-
-/// How a command ends that had no wrong input.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
-    /// What was asked for holds, or is done.
-    Holds = 0,
-    /// It does not hold.
-    Disproved = 1,
-    /// Not all of it could be told.
-    Incomplete = 3,
-}
 
 /// The arguments or the input are wrong, or output could not be written.
 const BAD_INPUT: u8 = 2;
@@ -86,11 +77,17 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
             let line = format!("saarcor: {error:#}").replace('\n', " ");
             // Where standard error is closed too, the status has to do.
             let _ = writeln!(std::io::stderr(), "{line}");
-            ExitCode::from(if error.is::<Absent>() { Status::Incomplete as u8 } else { BAD_INPUT })
+            ExitCode::from(if lacks_embree(&error) { Status::Incomplete as u8 } else { BAD_INPUT })
         }
         Ok(status) => ExitCode::from(status as u8),
         Err(_) => ExitCode::from(Status::Holds as u8),
     }
+}
+
+/// Whether the error is that Embree is not there, or does not run.
+fn lacks_embree(error: &anyhow::Error) -> bool {
+    matches!(error.downcast_ref(), Some(EmbreeError::Absent(_)))
+        || matches!(error.downcast_ref(), Some(StudyError::Embree(EmbreeError::Absent(_))))
 }
 
 impl Cli {

@@ -1,7 +1,7 @@
 //! The costs of a sweep as curves over the sizes of one axis: bytes loaded, and metadata.
 
-use crate::args::Size;
 use crate::plot::{accessible, theme};
+use crate::size::Size;
 use anyhow::{Result, anyhow, ensure};
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::{LegendPosition, LinePlot, LineStyle};
@@ -10,18 +10,8 @@ use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 use saarcor_model::vm::Bytes;
 use saarcor_oracles::paper::MB;
+use saarcor_studies::sweep::Costs;
 use std::sync::Arc;
-
-/// What a point of the axis costs.
-#[derive(Clone, Copy, Debug)]
-pub struct Costs {
-    /// The point: a size, or a number.
-    pub size: u64,
-    /// Bytes loaded from the host.
-    pub loaded: u64,
-    /// Bytes of metadata.
-    pub metadata: u64,
-}
 
 /// The values of an axis as sizes.
 ///
@@ -50,8 +40,8 @@ pub fn svg(axis: &str, frame: &str, costs: &[Costs]) -> Result<String> {
     let mut costs = costs.to_vec();
     costs.retain(|costs| costs.loaded > 0 && costs.metadata > 0);
     costs.sort_by_key(|costs| costs.size);
-    let best = costs.iter().min_by_key(|costs| u128::from(costs.loaded) * u128::from(costs.metadata));
-    let best = best.ok_or_else(|| anyhow!("--svg: no point loads anything and has metadata"))?;
+    let best =
+        Costs::best(&costs).ok_or_else(|| anyhow!("--svg: no point loads anything and has metadata"))?;
     let place = |costs: &Costs| (costs.size as f64).log2();
     let curve = |name: &str, colour: &str, style, points: Vec<(f64, f64)>| {
         let plot = LinePlot::new().with_data(points).with_color(colour).with_line_style(style);

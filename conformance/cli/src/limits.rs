@@ -1,6 +1,6 @@
 //! How much memory a simulation may take.
 
-use crate::args::Size;
+use crate::size::Size;
 use anyhow::{Result, ensure};
 use saarcor_model::vm::{Bytes, CacheConfig, Set};
 

@@ -1,54 +1,16 @@
 //! The metadata law (§3) beside the paper's two examples.
 
-use crate::args::Size;
+use crate::size::Size;
 use crate::table::{Column, Table};
 use saarcor_model::time::standard;
-use saarcor_model::vm::{Bytes, ENTRY_BYTES, Geometry};
+use saarcor_model::vm::{Bytes, Geometry};
 use saarcor_oracles::paper::{self, MetadataExample};
-use serde::Serialize;
+use saarcor_studies::metadata::MetadataFacts;
 
-/// The metadata of a cache.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct MetadataFacts {
-    /// Size of the on-board memory.
-    pub memory_bytes: u64,
-    /// Size of a line.
-    pub line_bytes: u64,
-    /// Lines a set.
-    pub ways: u32,
-    /// Lines that the memory holds.
-    pub lines: u64,
-    /// Number of sets.
-    pub sets: u64,
-    /// Metadata a line.
-    pub entry_bytes: u64,
-    /// Metadata of all lines.
-    pub metadata_bytes: u64,
-    /// The metadata's part of the memory.
-    pub metadata_percent: f64,
-}
-
-impl MetadataFacts {
-    /// The metadata of a cache of this shape.
-    #[must_use]
-    pub fn of(geometry: Geometry) -> Self {
-        let (memory, metadata) = (geometry.memory().0, geometry.metadata().0);
-        Self {
-            memory_bytes: memory,
-            line_bytes: geometry.line().0,
-            ways: geometry.ways(),
-            lines: geometry.lines(),
-            sets: geometry.sets(),
-            entry_bytes: ENTRY_BYTES as u64,
-            metadata_bytes: metadata,
-            metadata_percent: 100.0 * metadata as f64 / memory as f64,
-        }
-    }
-
-    fn example(&self) -> Option<&'static MetadataExample> {
-        let mut examples = paper::stated().metadata.examples.iter();
-        examples.find(|e| (e.memory_bytes, e.line_bytes) == (self.memory_bytes, self.line_bytes))
-    }
+/// The paper's example of the same sizes.
+fn example(facts: &MetadataFacts) -> Option<&'static MetadataExample> {
+    let mut examples = paper::stated().metadata.examples.iter();
+    examples.find(|e| (e.memory_bytes, e.line_bytes) == (facts.memory_bytes, facts.line_bytes))
 }
 
 /// The paper's examples, computed.
@@ -75,7 +37,7 @@ pub fn table(rows: &[MetadataFacts]) -> Table {
             facts.sets.to_string(),
             Size(Bytes(facts.metadata_bytes)).to_string(),
             format!("{:.3} %", facts.metadata_percent),
-            facts.example().map_or_else(|| "–".to_owned(), printed),
+            example(facts).map_or_else(|| "–".to_owned(), printed),
         ]);
     }
     table

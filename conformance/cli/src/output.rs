@@ -1,9 +1,10 @@
 //! Standard output and output files.
 
 use anyhow::{Context, Error, Result, anyhow, bail};
+use image::{ImageFormat, RgbImage};
 use std::fmt;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Cursor, Write};
 use std::path::{Path, PathBuf};
 
 /// Standard output was closed by its reader, as `head` does. Not a failure.
@@ -75,6 +76,16 @@ fn stdout_error(error: io::Error) -> Error {
 /// If it cannot be written.
 pub fn json_line(out: &mut Stdout, value: &impl serde::Serialize) -> Result<()> {
     out.line(serde_json::to_string(value).context("result as JSON")?)
+}
+
+/// Writes a picture as PNG.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn write_png(pixels: &RgbImage, out: &mut dyn Write) -> Result<()> {
+    let mut png = Cursor::new(Vec::new());
+    pixels.write_to(&mut png, ImageFormat::Png).context("picture as PNG")?;
+    Ok(out.write_all(png.get_ref())?)
 }
 
 /// A file to be written, at a place where that was found possible.

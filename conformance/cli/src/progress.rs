@@ -1,6 +1,7 @@
 //! What is said on standard error: what is being done, and how far it is.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use saarcor_studies::monitor::{Monitor, Silent, Stage};
 use std::fmt::Display;
 use std::io::{self, IsTerminal, Write};
 use std::sync::Mutex;
@@ -49,29 +50,80 @@ impl Progress {
 
     /// Does `work` and says meanwhile how far it is: `work` reports the part that is done, 0 to 1.
     pub fn during<T>(&self, what: &str, work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
+        let monitor: &dyn Monitor = self;
+        monitor.during(what, work)
+    }
+}
+
+impl Monitor for Progress {
+    fn begin<'a>(&'a self, name: &str) -> Box<dyn Stage + 'a> {
         match self.form {
-            Form::Nothing => work(&|_| ()),
-            Form::Lines => self.during_lines(what, work),
-            Form::Bars => during_bar(what, work),
+            Form::Nothing => Box::new(Silent),
+            Form::Lines => Box::new(Lines::begin(self, name)),
+            Form::Bars => Box::new(Bar::begin(name)),
         }
     }
+}
 
-    fn during_lines<T>(&self, what: &str, work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
+/// A stage in a log: lines.
+struct Lines<'a> {
+    progress: &'a Progress,
+    name: String,
+    started: Instant,
+    next_line: Mutex<Instant>,
+}
+
+impl<'a> Lines<'a> {
+    fn begin(progress: &'a Progress, name: &str) -> Self {
         let started = Instant::now();
-        let next_line = Mutex::new(started + WORTH_A_LINE);
-        let result = work(&|part| {
-            // A thread that finds another one here has nothing to add.
-            let Ok(mut next_line) = next_line.try_lock() else { return };
-            let now = Instant::now();
-            if now >= *next_line {
-                *next_line = now + BETWEEN_LINES;
-                self.say(format_args!("{what}: {:.0} %", 100.0 * part));
-            }
-        });
-        if started.elapsed() >= WORTH_A_LINE {
-            self.say(format_args!("{what}: {:.1} s", started.elapsed().as_secs_f64()));
+        Self { progress, name: name.to_owned(), started, next_line: Mutex::new(started + WORTH_A_LINE) }
+    }
+}
+
+impl Stage for Lines<'_> {
+    fn reached(&self, part: f64) {
+        // A thread that finds another one here has nothing to add.
+        let Ok(mut next_line) = self.next_line.try_lock() else { return };
+        let now = Instant::now();
+        if now >= *next_line {
+            *next_line = now + BETWEEN_LINES;
+            self.progress.say(format_args!("{}: {:.0} %", self.name, 100.0 * part));
         }
-        result
+    }
+}
+
+impl Drop for Lines<'_> {
+    fn drop(&mut self) {
+        let elapsed = self.started.elapsed();
+        if elapsed >= WORTH_A_LINE {
+            self.progress.say(format_args!("{}: {:.1} s", self.name, elapsed.as_secs_f64()));
+        }
+    }
+}
+
+/// A stage on a terminal: a progress bar.
+struct Bar(ProgressBar);
+
+impl Bar {
+    fn begin(name: &str) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(BAR_STEPS), ProgressDrawTarget::stderr());
+        let style = "{spinner} {msg} {bar:30} {percent:>3} %  {elapsed}, {eta} left";
+        bar.set_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.set_message(name.to_owned());
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self(bar)
+    }
+}
+
+impl Stage for Bar {
+    fn reached(&self, part: f64) {
+        self.0.set_position((part * BAR_STEPS as f64) as u64);
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
     }
 }
 
@@ -99,15 +151,4 @@ impl Remaining {
         let part = 100.0 * self.done / self.all;
         progress.say(format_args!("{part:.0} % done in {elapsed:.0} s, about {left:.0} s left"));
     }
-}
-
-fn during_bar<T>(what: &str, work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
-    let bar = ProgressBar::with_draw_target(Some(BAR_STEPS), ProgressDrawTarget::stderr());
-    let style = "{spinner} {msg} {bar:30} {percent:>3} %  {elapsed}, {eta} left";
-    bar.set_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()));
-    bar.set_message(what.to_owned());
-    bar.enable_steady_tick(Duration::from_millis(200));
-    let result = work(&|part| bar.set_position((part * BAR_STEPS as f64) as u64));
-    bar.finish_and_clear();
-    result
 }

@@ -4,11 +4,11 @@ mod common;
 
 use common::{room_arg, run, stdout_of};
 use rayon::prelude::*;
-use saarcor_cli::progress::Progress;
-use saarcor_cli::render::{through_virtual_memory, through_whole_scene};
-use saarcor_cli::walk::{PacketSize, TraceOptions};
-use saarcor_cli::world::{World, WorldOptions};
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy};
+use saarcor_studies::monitor::Silent;
+use saarcor_studies::picture::{through_virtual_memory, through_whole_scene};
+use saarcor_studies::trace::{PacketSize, TraceOptions};
+use saarcor_studies::world::{World, WorldOptions};
 
 /// Memories of 64 KiB, 1 MiB and 8 MiB with each hash and each policy.
 fn caches() -> Vec<CacheConfig> {
@@ -25,7 +25,7 @@ fn caches() -> Vec<CacheConfig> {
 }
 
 fn assert_transparent(scene: &str) {
-    let world = World::open(&WorldOptions::new(scene), &Progress::new(true)).expect("a built-in scene");
+    let world = World::open(&WorldOptions::new(scene), &Silent).expect("a built-in scene");
     let frame = world.path.len() / 3;
     let trace = TraceOptions { resolution: (256, 192), packet: PacketSize::Rays64, max_bounces: 3 };
     let flat = through_whole_scene(&world, frame, &trace);

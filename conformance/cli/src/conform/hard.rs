@@ -1,10 +1,10 @@
 //! The hard cases of `accuracy` as sessions of `saarcor-kd`.
 
-use crate::accuracy::suites::{SUITES, Suite};
 use saarcor_kit::kd::Kd;
 use saarcor_kit::kd::scene::Made;
 use saarcor_kit::session::Session;
 use saarcor_random::Random;
+use saarcor_studies::accuracy::suites::{SUITES, Suite};
 
 /// Cases of a session: each is a scene and two rays.
 const CASES: u64 = 100;

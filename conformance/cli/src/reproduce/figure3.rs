@@ -1,13 +1,14 @@
 //! Figure 3 (§4): working set and transfers, frame by frame.
 
-use crate::args::Size;
 use crate::progress::Progress;
-use crate::standard;
+use crate::size::Size;
 use crate::table::{Column, Table, mb};
-use crate::walk::{FrameRow, TraceOptions, WalkOptions, walk};
-use crate::world::World;
 use anyhow::Result;
 use saarcor_model::vm::Bytes;
+use saarcor_studies::standard;
+use saarcor_studies::trace::TraceOptions;
+use saarcor_studies::walk::{FrameRow, Walk, WalkOptions};
+use saarcor_studies::world::World;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -64,12 +65,11 @@ impl Graph {
         let (mut frames, length) = (Vec::new(), chosen.len());
         progress.during(&format!("{name}: walk of {length} frames"), |report| {
             let options = WalkOptions { cache, cold: false, trace: *trace };
-            walk(world, chosen, &options, &mut |row| {
-                frames.push(*row);
+            for row in Walk::new(world, chosen, &options) {
+                frames.push(row);
                 report(frames.len() as f64 / length as f64);
-                Ok(())
-            })
-        })?;
+            }
+        });
         Ok(Self { name: name.to_owned(), memory_bytes: cache.geometry.memory().0, path_frames, step, frames })
     }
 

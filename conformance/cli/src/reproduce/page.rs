@@ -156,8 +156,8 @@ mod tests {
     use super::super::verdicts::judge;
     use super::*;
     use crate::progress::Progress;
-    use crate::walk::{PacketSize, TraceOptions};
-    use crate::world::{World, WorldOptions};
+    use saarcor_studies::trace::{PacketSize, TraceOptions};
+    use saarcor_studies::world::{World, WorldOptions};
 
     /// A report of which each row and each graph is about one small room.
     fn report() -> Report {

@@ -3,13 +3,13 @@
 use super::figure3::Graph;
 use crate::plot::{accessible, theme};
 use crate::table::mb;
-use crate::walk::FrameRow;
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::{LegendPosition, LinePlot, LineStyle};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 use saarcor_oracles::paper::MB;
+use saarcor_studies::walk::FrameRow;
 
 /// What is drawn a frame, in MB: name, colour, style, bytes. The colours stand out from white and
 /// from black alike, and the styles tell the lines apart without them.
@@ -23,7 +23,7 @@ const SERIES: [Series; 3] = [
 
 /// The graph: MB of each frame.
 pub fn svg(graph: &Graph) -> String {
-    let line = crate::standard::line().0;
+    let line = saarcor_studies::standard::line().0;
     let plots: Vec<Plot> = SERIES.into_iter().map(|series| curve(graph, series, line)).collect();
     let layout = Layout::auto_from_plots(&plots)
         .with_width(760.0)

@@ -1,9 +1,9 @@
 //! Table 1 (§4): the scenes, ours beside the paper's.
 
-use crate::summary::{RegionBytes, Summary};
 use crate::table::{Column, Table, mb};
-use crate::world::World;
 use saarcor_oracles::paper::Table1Row;
+use saarcor_studies::summary::{RegionBytes, Summary};
+use saarcor_studies::world::World;
 use serde::Serialize;
 
 /// A scene of Table 1.

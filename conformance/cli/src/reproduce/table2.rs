@@ -2,17 +2,17 @@
 //! ours beside the paper's.
 
 use crate::progress::Progress;
-use crate::simulate::{PacketOrder, Row, record, record_before};
-use crate::standard;
 use crate::table::{Column, Table};
-use crate::walk::TraceOptions;
-use crate::world::World;
 use anyhow::Result;
 use rayon::prelude::*;
 use saarcor_fast::chip::simulate;
 use saarcor_model::time::{ChipConfig, PciConfig, Version};
 use saarcor_model::vm::{Bytes, Geometry, Hash};
 use saarcor_oracles::paper::{self, MB, Table2Row, VirtualRun};
+use saarcor_studies::simulate::{PacketOrder, TimingRow, record, record_before};
+use saarcor_studies::standard;
+use saarcor_studies::trace::TraceOptions;
+use saarcor_studies::world::World;
 use serde::Serialize;
 
 /// Frames before a hot spot that warm the caches.
@@ -30,13 +30,13 @@ pub struct HotSpot {
     /// The paper's row.
     pub paper: Table2Row,
     /// Without virtual memory.
-    pub no_vm: Row,
+    pub no_vm: TimingRow,
     /// With metadata on the chip.
-    pub version_a: Row,
+    pub version_a: TimingRow,
     /// With metadata in the on-board memory.
-    pub version_b: Row,
+    pub version_b: TimingRow,
     /// Version A on the faster bus.
-    pub version_a_fast_pci: Row,
+    pub version_a_fast_pci: TimingRow,
 }
 
 /// A hot spot on a chip that differs from version A in one respect.
@@ -53,7 +53,7 @@ pub struct Variation {
     /// Metadata of all lines.
     pub metadata_bytes: u64,
     /// What it took.
-    pub run: Row,
+    pub run: TimingRow,
 }
 
 /// Which of our scenes stands in a row of the paper.
@@ -116,9 +116,9 @@ pub fn hot_spots(
                 .par_iter()
                 .map(|config| {
                     let report = simulate(&before, &recording.programs, config)?;
-                    Ok(Row::new(stand.scene, frame, rays, config, &report))
+                    Ok(TimingRow::new(stand.scene, frame, rays, config, &report))
                 })
-                .collect::<Result<Vec<Row>>>()
+                .collect::<Result<Vec<TimingRow>>>()
         })?;
         let mut played = played.into_iter();
         let [Some(no_vm), Some(version_a), Some(version_b), Some(version_a_fast_pci)] =
@@ -253,7 +253,7 @@ pub fn tables(spots: &[HotSpot]) -> Vec<(String, Table)> {
             .chain(beside(in_mb(run.mem_bytes), paper.mem_mb, 1))
             .chain([format!("{:.1}", run.cycles_a_ray)]);
         no_vm.row(name(spot).chain(cells));
-        let with_vm = |table: &mut Table, run: &Row, paper: &VirtualRun| {
+        let with_vm = |table: &mut Table, run: &TimingRow, paper: &VirtualRun| {
             let cells = beside(run.fps, paper.fps, 1)
                 .into_iter()
                 .chain(beside(in_mb(run.pci_bytes), paper.pci_mb, 2))

@@ -3,9 +3,9 @@
 use super::Report;
 use super::figure3::Graph;
 use super::table2::{HotSpot, Shape, Variation};
-use crate::standard;
 use crate::table::mb;
 use saarcor_oracles::paper;
+use saarcor_studies::standard;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;

@@ -1,19 +1,23 @@
 //! `saarcor accuracy`.
 
 use super::simulator::SimulatorArgs;
-use crate::accuracy::contest::{Contestant, Format};
-use crate::accuracy::front::{standings, svg, table};
-use crate::accuracy::measure::{Extent, Row, measure};
-use crate::accuracy::replay::{lines, read, worst};
-use crate::accuracy::scene::{self, Budget};
-use crate::accuracy::suites::{SUITES, Suite, offset_faults};
-use crate::args::{KERNELS, choice};
+use crate::args::choice;
+use crate::front::{svg, table};
 use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
 use crate::table::{Column, Table};
-use crate::world::{World, WorldOptions};
 use anyhow::{Context, Result, ensure};
 use saarcor_model::rays::Kernel;
+use saarcor_studies::StudyError;
+use saarcor_studies::accuracy::case::Found;
+use saarcor_studies::accuracy::contest::{Contestant, Format};
+use saarcor_studies::accuracy::front::standings;
+use saarcor_studies::accuracy::measure::{AccuracyRow, Extent, Fault, measure};
+use saarcor_studies::accuracy::replay::{self, Record, read, worst};
+use saarcor_studies::accuracy::scene::{self, Budget};
+use saarcor_studies::accuracy::suites::{SUITES, Suite, offset_faults};
+use saarcor_studies::names::{KERNELS, kernel_name};
+use saarcor_studies::world::{World, WorldOptions};
 use std::path::PathBuf;
 
 /// Cases of a suite, in full and for a quick look.
@@ -76,7 +80,7 @@ impl Args {
         }
         let contestants = self.contestants()?;
         if let Some(file) = &self.replay {
-            return replay(file, &contestants);
+            return replay_file(file, &contestants);
         }
         let cases = if self.quick { QUICK } else { self.cases };
         if let Some((scene, budget)) = self.scene.as_deref().zip(self.budget) {
@@ -135,7 +139,7 @@ impl Args {
         let world = World::open(&options, progress)?;
         let rows = progress.during(&format!("{scene}: {rays} rays"), |_| {
             let cases = scene::cases(&world, rays, self.seed)?;
-            anyhow::Ok(scene::rows(&cases, contestants, REPEATS))
+            Ok::<_, StudyError>(scene::rows(&cases, contestants, REPEATS))
         })?;
         let mut out = Stdout::new();
         if self.json {
@@ -146,7 +150,7 @@ impl Args {
             "{scene}: {rays} primary rays, the cheapest first: fewest bits, then least time"
         ))?;
         out.line(rows_table(&rows))?;
-        let name = |row: &Row| format!("{} {}", row.kernel, row.format);
+        let name = |row: &AccuracyRow| format!("{} {}", row.kernel, row.format);
         match rows.iter().find(|row| budget.holds(row)) {
             Some(row) => {
                 let bits = row.contestant().format.bits();
@@ -186,7 +190,7 @@ impl Args {
 }
 
 /// The rows of a suite.
-fn rows_table(rows: &[Row]) -> Table {
+fn rows_table(rows: &[AccuracyRow]) -> Table {
     let numbers =
         ["wrong hits", "misses", "triangles", "leaks", "t ulp mean", "p99.9", "max", "weights max", "ns"];
     let names = ["kernel", "format"].map(Column::text);
@@ -224,7 +228,7 @@ impl Files {
         Ok(Self { rows: file("accuracy.jsonl")?, graph: file("accuracy.svg")?, worst: file("worst.jsonl")? })
     }
 
-    fn write(&self, rows: &[Row], suites: &[&Suite], seed: u64, graph: &str) -> Result<()> {
+    fn write(&self, rows: &[AccuracyRow], suites: &[&Suite], seed: u64, graph: &str) -> Result<()> {
         self.rows.write(|out| {
             rows.iter().try_for_each(|row| Ok(writeln!(out, "{}", serde_json::to_string(row)?)?))
         })?;
@@ -242,7 +246,7 @@ impl Files {
 }
 
 /// Prints each case of a file, what is true of it, and what the contestants say.
-fn replay(file: &std::path::Path, contestants: &[Contestant]) -> Result<()> {
+fn replay_file(file: &std::path::Path, contestants: &[Contestant]) -> Result<()> {
     let text =
         std::fs::read_to_string(file).with_context(|| format!("{}: cannot be read", file.display()))?;
     let records = read(&text).with_context(|| file.display().to_string())?;
@@ -251,4 +255,24 @@ fn replay(file: &std::path::Path, contestants: &[Contestant]) -> Result<()> {
         lines(&record, contestants).iter().try_for_each(|line| out.line(line))?;
     }
     out.finish()
+}
+
+/// A record, what is true of it, and what each contestant makes of it, a line each.
+fn lines(record: &Record, contestants: &[Contestant]) -> Vec<String> {
+    let replayed = replay::replay(record, contestants);
+    let exact: Vec<_> = replayed.truth.0.iter().map(place).collect();
+    let exact = if exact.is_empty() { "nothing".to_owned() } else { exact.join(", ") };
+    let answers = replayed.answers.iter().map(|(contestant, found, fault)| {
+        let said = found.as_ref().map_or("nothing".to_owned(), place);
+        let fault = fault.map_or("", Fault::name);
+        let name = format!("{} {}", kernel_name(contestant.kernel), contestant.format.name());
+        format!("  {name:<22}{said:<34}{fault}").trim_end().to_owned()
+    });
+    let head = [record.shows.clone(), format!("  {:<22}{exact}", "exactly")];
+    head.into_iter().chain(answers).collect()
+}
+
+/// A triangle and its distance.
+fn place(found: &Found) -> String {
+    format!("triangle {} at {:e}", found.triangle, found.t)
 }

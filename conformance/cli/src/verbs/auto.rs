@@ -1,10 +1,10 @@
 //! `--auto`: the triangle test that a scene needs.
 
-use crate::accuracy::scene::{self, Budget};
 use crate::args::SceneArgs;
 use crate::progress::Progress;
-use crate::world::{World, WorldOptions};
 use anyhow::Result;
+use saarcor_studies::accuracy::scene::{self, Budget};
+use saarcor_studies::world::{World, WorldOptions};
 
 /// Whether the triangle test is chosen by the scene.
 #[derive(Clone, Debug, clap::Args)]
@@ -25,9 +25,9 @@ impl AutoArgs {
     /// Those of [`World::open`], and if no test stays inside the budget.
     pub fn open(&self, scene: &SceneArgs, last_frame: Option<usize>, progress: &Progress) -> Result<World> {
         let options = scene.options(last_frame);
-        let Some(budget) = self.auto else { return World::open(&options, progress) };
+        let Some(budget) = self.auto else { return Ok(World::open(&options, progress)?) };
         let options = WorldOptions { kernel: scene::KERNEL, ..options };
-        World::open_choosing(&options, progress, |world| {
+        let world = World::open_choosing(&options, progress, |world| {
             let (kernel, row) = progress
                 .during(&format!("{}: triangle tests", world.name), |_| scene::cheapest(world, budget))?;
             progress.say(format_args!(
@@ -39,6 +39,7 @@ impl AutoArgs {
                 row.t_ulp_p999
             ));
             Ok(kernel)
-        })
+        })?;
+        Ok(world)
     }
 }

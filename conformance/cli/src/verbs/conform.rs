@@ -1,11 +1,9 @@
 //! `saarcor conform`.
 
-use crate::accuracy::suites::SUITES;
-use crate::cli::Status;
 use crate::conform::{hard, page, text};
-use crate::names::nearest;
 use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
+use crate::status::Status;
 use anyhow::{Context, Result, bail, ensure};
 use clap::Subcommand;
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
@@ -22,6 +20,8 @@ use saarcor_kit::target::{How, Target, shell_word as quoted};
 use saarcor_kit::templates::{TEMPLATES, faults};
 use saarcor_kit::vm::{Vm, trace};
 use saarcor_kit::{KINDS, child, kind_named, library};
+use saarcor_studies::accuracy::suites::SUITES;
+use saarcor_studies::names::nearest;
 use std::fs;
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};

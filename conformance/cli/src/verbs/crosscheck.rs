@@ -1,17 +1,19 @@
 //! `saarcor crosscheck`.
 
-use crate::args::{SceneArgs, kernel_name};
-use crate::cli::Status;
-use crate::crosscheck::judge::Case;
-use crate::crosscheck::rays::{Question, questions};
-use crate::crosscheck::{crosscheck, kept};
-use crate::embree::{ENVIRONMENTS, Embree};
+use crate::args::SceneArgs;
 use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
-use crate::world::World;
+use crate::status::Status;
+use crate::table::{Column, Table};
 use anyhow::{Context, Result};
 use glam::Vec3;
 use saarcor_model::rays::Kernel;
+use saarcor_oracles::embree::{ENVIRONMENTS, Embree};
+use saarcor_studies::crosscheck::judge::CaseRow;
+use saarcor_studies::crosscheck::rays::{Question, questions};
+use saarcor_studies::crosscheck::{Counts, CrosscheckReport, Faults, crosscheck, kept};
+use saarcor_studies::names::kernel_name;
+use saarcor_studies::world::World;
 use std::path::{Path, PathBuf};
 
 /// The model, exact arithmetic and Embree, ray by ray: where they differ, and who is right
@@ -56,7 +58,7 @@ impl Args {
         options.kernel = self.scene.kernel.unwrap_or(Kernel::Adaptive);
         // What is wrong with the scene is said first, also where there is no Embree.
         let (world, scene) = World::open_with_scene(&options, progress)?;
-        let embree = Embree::open(&self.environment, progress)?;
+        let embree = open_embree(&self.environment, progress)?;
         let triangles: Vec<[Vec3; 3]> = scene.triangles.iter().map(|triangle| triangle.corners).collect();
         let asked = match &replayed {
             Some(replayed) => replayed.clone(),
@@ -67,12 +69,12 @@ impl Args {
 
         let mut stdout = Stdout::new();
         for case in cases.iter().filter(|_| replayed.is_some()) {
-            if self.json { json_line(&mut stdout, &case.told())? } else { stdout.line(said(case))? }
+            if self.json { json_line(&mut stdout, &case.row())? } else { stdout.line(text(&case.row()))? }
         }
         if self.json {
             json_line(&mut stdout, &report)?;
         } else {
-            stdout.line(report.table())?;
+            stdout.line(table(&report))?;
         }
         stdout.finish()?;
         progress.say(format_args!(
@@ -89,27 +91,69 @@ impl Args {
     }
 }
 
+/// The environment with Embree, which is made if it is not there yet.
+fn open_embree(folder: &Path, progress: &Progress) -> Result<Embree> {
+    if let Some(embree) = Embree::find(folder)? {
+        return Ok(embree);
+    }
+    Ok(progress.during("Embree: its Python environment", |_| Embree::make(folder))?)
+}
+
+/// A row a kind of ray, and one for all.
+fn table(report: &CrosscheckReport) -> Table {
+    let numbers = [
+        "rays",
+        "agree",
+        "tie",
+        "edge",
+        "within bound",
+        "Embree wrong",
+        "model wrong",
+        "robust: hit",
+        "miss",
+        "triangle",
+        "fast: hit",
+        "miss",
+        "triangle",
+    ];
+    let columns = [Column::text("kind")].into_iter().chain(numbers.map(Column::number));
+    let mut table = Table::new(columns);
+    let kinds = report.by_kind().map(|(kind, counts)| (kind.name(), counts));
+    for (name, counts) in kinds.chain([("all", &report.all)]) {
+        let numbers = numbers_of(counts).map(|number| number.to_string());
+        table.row([name.to_owned()].into_iter().chain(numbers));
+    }
+    table
+}
+
+/// The counts in the order of the table's columns.
+fn numbers_of(counts: &Counts) -> [u64; 13] {
+    let Faults { wrong_hit: a, wrong_miss: b, wrong_triangle: c } = counts.embree_robust;
+    let Faults { wrong_hit: d, wrong_miss: e, wrong_triangle: f } = counts.embree_fast;
+    let Counts { rays, agree, tie, edge, within_bound, embree_wrong, model_wrong, .. } = *counts;
+    [rays, agree, tie, edge, within_bound, embree_wrong, model_wrong, a, b, c, d, e, f]
+}
+
 fn read(path: &Path) -> Result<Vec<Question>> {
     let name = path.display().to_string();
     let text = std::fs::read_to_string(path).with_context(|| format!("{name}: cannot be read"))?;
-    kept::from_text(&text, &name)
+    Ok(kept::from_text(&text, &name)?)
 }
 
 /// A case as a line of text.
-fn said(case: &Case) -> String {
-    let told = case.told();
+fn text(case: &CaseRow) -> String {
     let answer = |answer: &Option<(u32, f32)>| match answer {
         Some((triangle, t)) => format!("{triangle} at {t}"),
         None => "nothing".to_owned(),
     };
-    let exact: Vec<_> = told.exact.iter().map(u32::to_string).collect();
+    let exact: Vec<_> = case.exact.iter().map(u32::to_string).collect();
     format!(
         "{} {}: hit first {}; model {}; robust {}; fast {}",
-        told.class.name(),
-        told.kind.name(),
+        case.class.name(),
+        case.kind.name(),
         if exact.is_empty() { "nothing".to_owned() } else { exact.join(", ") },
-        answer(&told.model),
-        answer(&told.robust),
-        answer(&told.fast)
+        answer(&case.model),
+        answer(&case.robust),
+        answer(&case.fast)
     )
 }

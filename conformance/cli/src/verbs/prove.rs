@@ -1,16 +1,16 @@
 //! `saarcor prove`.
 
-use crate::cli::Status;
-use crate::names::nearest;
 use crate::output::{Stdout, json_line};
 use crate::progress::Progress;
 use crate::prove::{Engine, EngineVerdict, Judged, Listed, by_kani};
+use crate::status::Status;
 use anyhow::{Result, bail};
 use clap::ValueEnum as _;
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
 use rayon::prelude::*;
 use saarcor_proofs::theorem::Theorem;
+use saarcor_studies::names::nearest;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The theorems of the model, and what each engine shows of them

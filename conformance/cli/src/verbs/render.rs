@@ -3,12 +3,13 @@
 use super::auto::AutoArgs;
 use crate::args::{CacheArgs, SceneArgs, TraceArgs, describe};
 use crate::limits::check_state;
-use crate::output::{OutFile, Stdout, json_line};
+use crate::output::{OutFile, Stdout, json_line, write_png};
 use crate::progress::Progress;
-use crate::render::{Picture, through_virtual_memory, through_whole_scene};
-use crate::summary::Summary;
+use crate::summary;
 use anyhow::Result;
 use saarcor_model::vm::{Bytes, Counters};
+use saarcor_studies::picture::{Picture, through_virtual_memory, through_whole_scene};
+use saarcor_studies::summary::Summary;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -39,7 +40,7 @@ pub struct Args {
 
 /// What the picture took.
 #[derive(Serialize)]
-struct Row {
+struct PictureRow {
     frame: usize,
     primary_rays: u64,
     shadow_rays: u64,
@@ -71,8 +72,9 @@ impl Args {
         let file = OutFile::check(&self.out)?;
         let world = self.auto.open(&self.scene, Some(self.frame), progress)?;
         check_state(cache, Bytes(world.image.bytes.len() as u64))?;
-        let summary = Summary::of(&world);
-        summary.lines().iter().chain([&summary.image_line()]).for_each(|line| progress.say(line));
+        let scene = Summary::of(&world);
+        let lines = summary::lines(&scene).into_iter().chain([summary::image_line(&scene)]);
+        lines.for_each(|line| progress.say(line));
 
         let options = self.trace.options();
         let (picture, traffic) = progress.during("picture", |_| {
@@ -83,11 +85,11 @@ impl Args {
                 (picture, Some(Traffic::from(counters)))
             }
         });
-        file.write(|out| picture.write_png(out))?;
-        self.tell(&picture, traffic, &describe(&cache), progress)
+        file.write(|out| write_png(&picture.pixels, out))?;
+        self.say(&picture, traffic, &describe(&cache), progress)
     }
 
-    fn tell(
+    fn say(
         &self,
         picture: &Picture,
         traffic: Option<Traffic>,
@@ -109,7 +111,7 @@ impl Args {
         if !self.json {
             return Ok(());
         }
-        let row = Row {
+        let row = PictureRow {
             frame: self.frame,
             primary_rays: rays.primary,
             shadow_rays: rays.shadow,

@@ -3,14 +3,15 @@
 use crate::args::SceneArgs;
 use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
-use crate::summary::{Summary, listed};
+use crate::summary::{self, listed};
 use crate::table::{Column, Table, mb};
-use crate::world::{World, WorldOptions, open_scene};
 use anyhow::Result;
 use clap::Subcommand;
 use saarcor_model::host::{Features, Scene, features};
 use saarcor_scenes::builtin::TABLE_1;
 use saarcor_scenes::export_obj;
+use saarcor_studies::summary::{Summary, needs};
+use saarcor_studies::world::{World, WorldOptions, open_scene};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -74,7 +75,7 @@ impl Args {
 
 /// A scene of the list.
 #[derive(Serialize)]
-struct Row {
+struct SceneRow {
     scene: &'static str,
     triangles: usize,
     lights: usize,
@@ -85,10 +86,10 @@ struct Row {
     features: Features,
 }
 
-impl Row {
+impl SceneRow {
     fn of(name: &'static str, scene: &Scene) -> Self {
         let features = features(scene);
-        let needs = crate::summary::needs(features).into_iter().filter(|need| need.1);
+        let needs = needs(features).into_iter().filter(|need| need.1);
         Self {
             scene: name,
             triangles: scene.triangles.len(),
@@ -113,7 +114,7 @@ impl ListArgs {
             Column::text("needs"),
         ]);
         for name in TABLE_1 {
-            let row = Row::of(name, &generated(name, progress)?);
+            let row = SceneRow::of(name, &generated(name, progress)?);
             if self.json {
                 json_line(&mut out, &row)?;
                 out.flush()?;
@@ -139,16 +140,16 @@ impl ShowArgs {
     fn run(self, progress: &Progress) -> Result<()> {
         // Its seconds are those of making it.
         let world = World::open(&WorldOptions { kept: None, ..self.scene.options(None) }, progress)?;
-        let summary = Summary::of(&world);
+        let scene = Summary::of(&world);
         let mut out = Stdout::new();
         if self.json {
-            json_line(&mut out, &summary)?;
+            json_line(&mut out, &scene)?;
         } else {
-            summary.lines().into_iter().try_for_each(|line| out.line(line))?;
+            summary::lines(&scene).into_iter().try_for_each(|line| out.line(line))?;
             out.line("")?;
-            out.line(summary.image_table())?;
+            out.line(summary::image_table(&scene))?;
         }
-        progress.say(summary.seconds_line());
+        progress.say(summary::seconds_line(&scene));
         out.finish()
     }
 }
@@ -164,5 +165,5 @@ impl ExportArgs {
 
 /// The scene of this name, without a kd-tree.
 fn generated(name: &str, progress: &Progress) -> Result<Scene> {
-    progress.during(&format!("{name}: scene"), |_| open_scene(&WorldOptions::new(name)))
+    progress.during(&format!("{name}: scene"), |_| Ok(open_scene(&WorldOptions::new(name))?))
 }

@@ -3,18 +3,20 @@
 use super::auto::AutoArgs;
 use crate::args::{CacheArgs, ChipArgs, SceneArgs, TraceArgs, describe};
 use crate::limits::check_state;
-use crate::output::{OutFile, Stdout, json_line};
+use crate::output::{OutFile, Stdout, json_line, write_png};
 use crate::progress::Progress;
-use crate::sampling::plan::Part;
-use crate::sampling::simulate::{SampledFrame, simulate_sample};
-use crate::simulate::{Recording, Row, record, record_before, version_name};
-use crate::summary::Summary;
 use crate::table::{Column, Table, mb};
-use crate::world::World;
+use crate::{sample, summary};
 use anyhow::Result;
 use saarcor_fast::chip::simulate;
 use saarcor_model::time::{ChipConfig, Programs, UNIT_NAMES, Version};
 use saarcor_model::vm::Bytes;
+use saarcor_studies::names::version_name;
+use saarcor_studies::sampling::plan::SampleFraction;
+use saarcor_studies::sampling::simulate::{SampledFrame, simulate_sample};
+use saarcor_studies::simulate::{Recording, TimingRow, record, record_before};
+use saarcor_studies::summary::Summary;
+use saarcor_studies::world::World;
 use std::path::PathBuf;
 
 /// A frame, and the chip that it is simulated on.
@@ -53,7 +55,7 @@ impl FrameArgs {
     /// # Errors
     /// Those of [`World::open`].
     pub fn world(&self, progress: &Progress) -> Result<World> {
-        World::open(&self.scene.options(Some(self.frame)), progress)
+        Ok(World::open(&self.scene.options(Some(self.frame)), progress)?)
     }
 
     /// What the frames before do that warm the caches, and the frame.
@@ -66,7 +68,7 @@ impl FrameArgs {
     }
 
     /// The frame, of which a part is worked on in full.
-    fn sampled(&self, part: Part) -> SampledFrame {
+    fn sampled(&self, part: SampleFraction) -> SampledFrame {
         let (trace, order) = (self.trace.options(), self.chip.order);
         SampledFrame { frame: self.frame, warm_up: self.warm_up, trace, order, part }
     }
@@ -84,7 +86,7 @@ pub struct Args {
     out: Option<PathBuf>,
     /// Works on a part of the packets in full, such as 1/8, and prints estimates with intervals of 95 %
     #[arg(long, value_name = "F", conflicts_with = "out")]
-    sample: Option<Part>,
+    sample: Option<SampleFraction>,
     /// Prints one JSON object
     #[arg(long)]
     json: bool,
@@ -97,8 +99,9 @@ impl Args {
         let file = self.out.as_deref().map(OutFile::check).transpose()?;
         let world = self.auto.open(&self.frame.scene, Some(self.frame.frame), progress)?;
         check_state(config.cache, Bytes(world.image.bytes.len() as u64))?;
-        let summary = Summary::of(&world);
-        summary.lines().iter().chain([&summary.image_line()]).for_each(|line| progress.say(line));
+        let scene = Summary::of(&world);
+        let lines = summary::lines(&scene).into_iter().chain([summary::image_line(&scene)]);
+        lines.for_each(|line| progress.say(line));
         if config.version != Version::None {
             progress.say(describe(&config.cache));
         }
@@ -116,19 +119,19 @@ impl Args {
                 out.line(format_args!(
                     "{}, frame {frame}, version {version}: {}",
                     scene.scene,
-                    row.heading()
+                    sample::heading(&row)
                 ))?;
-                out.line(row.table())?;
+                out.line(sample::table(&row))?;
             }
             return out.finish();
         }
         let (before, recording) = self.frame.record(&world, progress);
         let report = progress.during("chip", |_| simulate(&before, &recording.programs, &config))?;
         if let Some(file) = file {
-            file.write(|out| recording.picture.write_png(out))?;
+            file.write(|out| write_png(&recording.picture.pixels, out))?;
         }
         let FrameArgs { scene, frame, .. } = &self.frame;
-        let row = Row::new(&scene.scene, *frame, recording.picture.rays.total(), &config, &report);
+        let row = TimingRow::new(&scene.scene, *frame, recording.picture.rays.total(), &config, &report);
         if self.json {
             json_line(&mut out, &row)?;
         } else {
@@ -145,7 +148,7 @@ fn percent(part: u64, whole: u64) -> String {
 }
 
 /// A run for a person to read.
-fn text(row: &Row) -> Vec<String> {
+fn text(row: &TimingRow) -> Vec<String> {
     let mut units = Table::new(
         ["unit"].map(Column::text).into_iter().chain(
             [

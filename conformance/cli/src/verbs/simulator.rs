@@ -3,16 +3,17 @@
 use crate::args::Resolution;
 use crate::output::{Stdout, json_line};
 use crate::progress::Progress;
-use crate::sampling::accuracy::{Accuracy, of_simulate, of_walk};
-use crate::sampling::plan::{Part, Plan};
-use crate::sampling::simulate::SampledFrame;
-use crate::simulate::PacketOrder;
-use crate::standard;
 use crate::table::{Column, Table};
-use crate::walk::{PacketSize, TraceOptions, WalkOptions};
-use crate::world::{World, WorldOptions};
 use anyhow::Result;
 use saarcor_model::time::Version;
+use saarcor_studies::sampling::accuracy::{Accuracy, of_simulate, of_walk};
+use saarcor_studies::sampling::plan::{Plan, SampleFraction};
+use saarcor_studies::sampling::simulate::SampledFrame;
+use saarcor_studies::simulate::PacketOrder;
+use saarcor_studies::standard;
+use saarcor_studies::trace::{PacketSize, TraceOptions};
+use saarcor_studies::walk::WalkOptions;
+use saarcor_studies::world::{World, WorldOptions};
 
 /// Scenes that are compared where none is named.
 const SCENES: [&str; 2] = ["conference", "pquake3"];
@@ -50,7 +51,7 @@ impl SimulatorArgs {
         let trace =
             TraceOptions { resolution, packet: PacketSize::Rays64, max_bounces: standard::MAX_BOUNCES };
         let order = PacketOrder::default();
-        let parts = PARTS.map(Part::one_of);
+        let parts = PARTS.map(SampleFraction::one_of);
         for part in parts {
             Plan::new(trace.tiles(), order, part, 0)?;
         }
@@ -66,7 +67,8 @@ impl SimulatorArgs {
             })?;
             print(&walk, json, &mut out)?;
             let chip = standard::chip(scene, Version::A)?;
-            let sampled = SampledFrame { frame: 0, warm_up: 1, trace, order, part: Part::one_of(1) };
+            let sampled =
+                SampledFrame { frame: 0, warm_up: 1, trace, order, part: SampleFraction::one_of(1) };
             let simulate = progress.during(&format!("{scene}: simulate"), |report| {
                 of_simulate(&world, frames, &parts, &sampled, &chip, report)
             })?;

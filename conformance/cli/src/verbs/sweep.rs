@@ -6,12 +6,14 @@ use crate::curve;
 use crate::limits::check_together;
 use crate::output::{OutFile, Stdout};
 use crate::progress::Progress;
-use crate::summary::Summary;
-use crate::sweep::{Axis, Point, Position, Results, Shard, grid, identity, merged, result};
+use crate::results::{Results, merged};
+use crate::summary;
 use crate::table::{Column, Table, mb};
 use anyhow::{Context, Result, anyhow, bail};
 use saarcor_model::time::ChipConfig;
 use saarcor_model::vm::Bytes;
+use saarcor_studies::summary::Summary;
+use saarcor_studies::sweep::{Axis, Costs, Point, Position, Shard, Sweep, grid, identity};
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -72,16 +74,20 @@ impl Args {
             let at_a_time = rayon::current_num_threads();
             let caches = configs.iter().map(|config| config.cache);
             check_together(caches, at_a_time, Bytes(world.image.bytes.len() as u64))?;
-            progress.say(Summary::of(&world).image_line());
+            progress.say(summary::image_line(&Summary::of(&world)));
             progress.say(format!("{} points, {} left", mine.len(), mine.len() - results.lines.len()));
             let (before, recording) = frame.record(&world, progress);
-            let frame = (frame.scene.scene.as_str(), frame.frame, recording.picture.rays.total());
-            progress.during("points", |report| {
-                results.complete(&mine, at_a_time, report, |&point| {
-                    let programs = (&before[..], &recording.programs);
-                    result(frame, programs, (position(point), &all[point]), &configs[point])
-                })
-            })?;
+            let sweep = Sweep {
+                scene: &frame.scene.scene,
+                frame: frame.frame,
+                rays: recording.picture.rays.total(),
+                before: &before,
+                programs: &recording.programs,
+                identity: &sweep,
+                points: &all,
+                configs: &configs,
+            };
+            progress.during("points", |report| results.complete(&sweep, &mine, at_a_time, report))?;
         }
         print(&results.lines, shown)
     }
@@ -189,7 +195,7 @@ fn print(lines: &[String], Files { csv, svg, json }: Files) -> Result<()> {
     if let Some(svg) = svg {
         let [axis] = axes[..] else { bail!("--svg: {} axes; curves are drawn over one", axes.len()) };
         let sizes = curve::sizes(rows.iter().filter_map(|row| row["at"][axis.as_str()].as_str()), axis)?;
-        let at = |(size, row)| curve::Costs {
+        let at = |(size, row)| Costs {
             size,
             loaded: number(row, "pci_bytes"),
             metadata: number(row, "metadata_bytes"),

@@ -3,11 +3,11 @@
 use crate::args::{CacheArgs, SceneArgs, TraceArgs};
 use crate::output::{OutFile, Stdout};
 use crate::progress::Progress;
-use crate::walk::{WalkOptions, record_frame};
-use crate::world::World;
 use anyhow::Result;
 use clap::{Subcommand, ValueEnum};
 use saarcor_model::vm::HostAddr;
+use saarcor_studies::walk::{WalkOptions, record_frame};
+use saarcor_studies::world::World;
 use std::path::PathBuf;
 
 /// Traces for other people's cache simulators

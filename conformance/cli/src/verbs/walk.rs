@@ -1,17 +1,19 @@
 //! `saarcor walk`.
 
 use super::auto::AutoArgs;
-use crate::args::{CacheArgs, FrameRange, SceneArgs, Size, TraceArgs, describe};
+use crate::args::{CacheArgs, FrameRange, SceneArgs, TraceArgs, describe};
 use crate::limits::check_state;
 use crate::output::{Stdout, json_line};
 use crate::progress::Progress;
-use crate::sampling::plan::Part;
-use crate::sampling::walk::walk_sample;
-use crate::summary::Summary;
+use crate::size::Size;
 use crate::table::{Column, aligned, mb};
-use crate::walk::{FrameRow, WalkOptions, WalkTotals, walk};
+use crate::{sample, summary};
 use anyhow::Result;
 use saarcor_model::vm::{Bytes, Geometry};
+use saarcor_studies::sampling::plan::SampleFraction;
+use saarcor_studies::sampling::walk::walk_sample;
+use saarcor_studies::summary::Summary;
+use saarcor_studies::walk::{FrameRow, Walk, WalkOptions, WalkTotals};
 use std::collections::BTreeSet;
 use std::io::{IsTerminal, stdout};
 
@@ -34,7 +36,7 @@ pub struct Args {
     cold: bool,
     /// Works on a part of the packets in full, such as 1/8, and prints estimates with intervals of 95 %
     #[arg(long, value_name = "F")]
-    sample: Option<Part>,
+    sample: Option<SampleFraction>,
     /// Prints one JSON object a frame
     #[arg(long)]
     json: bool,
@@ -47,8 +49,9 @@ impl Args {
         let world = self.auto.open(&self.scene, self.frames.last(), progress)?;
         let frames = self.frames.of(&world);
         check_state(cache, Bytes(world.image.bytes.len() as u64))?;
-        let summary = Summary::of(&world);
-        let lines = summary.lines().into_iter().chain([summary.image_line(), describe(&cache)]);
+        let scene = Summary::of(&world);
+        let lines = summary::lines(&scene).into_iter();
+        let lines = lines.chain([summary::image_line(&scene), describe(&cache)]);
         lines.for_each(|line| progress.say(line));
 
         let options = WalkOptions { cache, cold: self.cold, trace: self.trace.options() };
@@ -64,8 +67,8 @@ impl Args {
                     if self.json {
                         json_line(&mut out, row)?;
                     } else {
-                        out.line(format_args!("frame {}: {}", frame + done, row.heading()))?;
-                        out.line(row.table())?;
+                        out.line(format_args!("frame {}: {}", frame + done, sample::heading(row)))?;
+                        out.line(sample::table(row))?;
                     }
                     done += 1;
                     report(done as f64 / length as f64);
@@ -78,22 +81,22 @@ impl Args {
             out.line(header())?;
         }
         let mut peaks = Peaks::default();
-        let totals = bar.during("walk", |report| {
-            let mut done = 0;
-            walk(&world, frames, &options, &mut |row| {
+        let mut walk = Walk::new(&world, frames, &options);
+        bar.during("walk", |report| -> Result<()> {
+            for (done, row) in walk.by_ref().enumerate() {
                 if self.json {
-                    json_line(&mut out, row)?;
+                    json_line(&mut out, &row)?;
                 } else {
-                    out.line(text(row))?;
+                    out.line(text(&row))?;
                 }
-                peaks.see(row);
-                done += 1;
-                report(done as f64 / length as f64);
-                out.flush()
-            })
+                peaks.see(&row);
+                report((done + 1) as f64 / length as f64);
+                out.flush()?;
+            }
+            Ok(())
         })?;
-        peaks.tell(cache.geometry, progress);
-        tell_speed(&totals, progress);
+        peaks.say(cache.geometry, progress);
+        say_speed(&walk.totals(), progress);
         out.finish()
     }
 }
@@ -164,7 +167,7 @@ impl Peaks {
         self.loaded_bytes += row.loaded_bytes;
     }
 
-    fn tell(&self, geometry: Geometry, progress: &Progress) {
+    fn say(&self, geometry: Geometry, progress: &Progress) {
         if let Some(row) = &self.working_set {
             let least = geometry.line().0 * u64::from(geometry.ways());
             let memory = Size(Bytes(row.working_set_bytes.next_power_of_two().max(least)));
@@ -192,7 +195,7 @@ impl Peaks {
     }
 }
 
-fn tell_speed(totals: &WalkTotals, progress: &Progress) {
+fn say_speed(totals: &WalkTotals, progress: &Progress) {
     let millions = |count: u64, seconds: f64| count as f64 / seconds.max(f64::MIN_POSITIVE) / 1e6;
     progress.say(format_args!(
         "{:.1} s: {:.2} million rays/s, {:.1} million accesses/s; the cache alone {:.1} million accesses/s",

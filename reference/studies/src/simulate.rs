@@ -1,0 +1,319 @@
+//! Step two of §4: frames on the chip, exact to the cycle.
+//!
+//! [`record`] traces a frame once, on all cores, [`record_part`] some of its packets;
+//! [`simulate`](saarcor_fast::chip::simulate) plays what was recorded on any number of chips; [`TimingRow`]
+//! says what a run took.
+
+use crate::names::version_name;
+use crate::picture::{Picture, put_pixels};
+use crate::trace::{ForPackets, TraceOptions};
+use crate::world::World;
+use glam::Vec3;
+use image::RgbImage;
+use rayon::prelude::*;
+use saarcor_model::rays::{Frame, Pipeline, RayCounts};
+use saarcor_model::time::{
+    CacheReport, ChipConfig, Program, Programs, Recorder, Stall, TimingReport, UNIT_NAMES, UnitReport,
+};
+use saarcor_model::vm::{Observed, WholeScene};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Packets traced before their colours are put into the picture: bounds the memory for colours.
+const PACKETS_A_BATCH: usize = 4096;
+
+/// In which order the packets of a picture are handed out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum PacketOrder {
+    /// Tiles from left to right, then downwards (RG-2).
+    #[default]
+    Scan,
+    /// Along Morton's curve (1966): tiles that follow one another are near in both directions.
+    Morton,
+}
+
+impl PacketOrder {
+    /// The numbers of the packets, in scan order, of a picture of `columns` × `rows` tiles.
+    #[must_use]
+    pub fn packets(self, (columns, rows): (u32, u32)) -> Vec<u32> {
+        let mut packets: Vec<u32> = (0..columns * rows).collect();
+        if self == Self::Morton {
+            packets.sort_by_key(|packet| spread(packet % columns) | spread(packet / columns) << 1);
+        }
+        packets
+    }
+}
+
+/// The bits of a number, each at twice its place.
+fn spread(number: u32) -> u64 {
+    (0..u32::BITS).fold(0, |sum, bit| sum | u64::from(number >> bit & 1) << (2 * bit))
+}
+
+/// A frame, traced: what its packets do, and what is seen.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// What the packets do.
+    pub programs: Programs,
+    /// What is seen, and the rays that it took.
+    pub picture: Picture,
+}
+
+/// Traces a frame of the world's path on all cores, for a chip that is handed packets in `order`.
+///
+/// # Panics
+/// If the path does not have the frame.
+#[must_use]
+pub fn record(world: &World, frame: usize, options: &TraceOptions, order: PacketOrder) -> Recording {
+    let (width, height) = options.resolution;
+    let order = order.packets(options.tiles());
+    let mut packets: Vec<Program> = Vec::with_capacity(order.len());
+    let mut pixels = RgbImage::new(width, height);
+    let mut rays = RayCounts::default();
+    trace_packets(world, frame, options, &order, &mut |traced| {
+        packets.push(traced.program);
+        put_pixels(&mut pixels, traced.pixels);
+        rays += traced.rays;
+    });
+    let programs = Programs { packets, triangles: world.image.registers.triangles };
+    Recording { programs, picture: Picture { pixels, rays } }
+}
+
+/// Traces the `warm_up` frames before a frame, as far as the path has them: what they do. `report` learns
+/// the part that is done.
+#[must_use]
+pub fn record_before(
+    world: &World,
+    frame: usize,
+    warm_up: usize,
+    options: &TraceOptions,
+    order: PacketOrder,
+    report: &(dyn Fn(f64) + Sync),
+) -> Vec<Programs> {
+    let first = frame - warm_up.min(frame);
+    (first..frame)
+        .map(|before| {
+            report((before - first) as f64 / (frame - first) as f64);
+            record(world, before, options, order).programs
+        })
+        .collect()
+}
+
+/// What some packets of a frame do, in their order, and the rays of each.
+#[must_use]
+pub fn record_part(
+    world: &World,
+    frame: usize,
+    options: &TraceOptions,
+    packets: &[u32],
+) -> Vec<(Program, RayCounts)> {
+    let mut programs = Vec::with_capacity(packets.len());
+    trace_packets(world, frame, options, packets, &mut |traced| {
+        programs.push((traced.program, traced.rays));
+    });
+    programs
+}
+
+/// A packet, traced.
+struct TracedPacket<'a> {
+    program: Program,
+    /// Where the colour of each of its rays belongs, if it is in the picture.
+    pixels: &'a [(Option<(u32, u32)>, Vec3)],
+    rays: RayCounts,
+}
+
+/// Traces packets on all cores, and gives them to `each` in their order.
+fn trace_packets(
+    world: &World,
+    frame: usize,
+    options: &TraceOptions,
+    packets: &[u32],
+    each: &mut dyn FnMut(TracedPacket<'_>),
+) {
+    let (width, height) = options.resolution;
+    let frame = Frame::new(&world.path[frame], width, height);
+    options.packet.run(TracePackets { world, frame, max_bounces: options.max_bounces, packets, each });
+}
+
+struct TracePackets<'a> {
+    world: &'a World,
+    frame: Frame,
+    max_bounces: u32,
+    packets: &'a [u32],
+    each: &'a mut dyn FnMut(TracedPacket<'_>),
+}
+
+impl ForPackets for TracePackets<'_> {
+    type Output = ();
+
+    fn run<const N: usize>(self) {
+        let Self { world, frame, max_bounces, packets, each } = self;
+        let tools = || {
+            let memory = Observed { memory: WholeScene(&world.image.bytes), observer: Recorder::default() };
+            (Pipeline::<N>::new(max_bounces), memory)
+        };
+        let registers = &world.image.registers;
+        for batch in packets.chunks(PACKETS_A_BATCH) {
+            let trace = |(pipeline, memory): &mut (Pipeline<N>, Observed<_, Recorder>), &packet: &u32| {
+                let colours = pipeline.render(memory, registers, &frame, packet);
+                (memory.observer.take(), colours, std::mem::take(&mut pipeline.rays))
+            };
+            let traced: Vec<_> = batch.par_iter().map_init(tools, trace).collect();
+            for (&packet, (program, colours, rays)) in batch.iter().zip(traced) {
+                let places = frame.pixels::<N>(packet);
+                let pixels: [_; N] = std::array::from_fn(|ray| (places[ray], colours[ray]));
+                each(TracedPacket { program, pixels: &pixels, rays });
+            }
+        }
+    }
+}
+
+/// What one frame took on a chip. Bytes are those of the frame.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TimingRow {
+    /// As the user named it.
+    pub scene: String,
+    /// Number of the frame in the path.
+    pub frame: usize,
+    /// Version of the virtual memory: none, a or b.
+    pub variant: &'static str,
+    /// Core cycles.
+    pub cycles: u64,
+    /// Frames a second.
+    pub fps: f64,
+    /// Rays of all kinds.
+    pub rays: u64,
+    /// Core cycles a ray and pipeline.
+    pub cycles_a_ray: f64,
+    /// Bytes loaded from the host.
+    pub pci_bytes: u64,
+    /// Part of the cycles in which the bus to the host is taken.
+    pub pci_use: f64,
+    /// Bytes moved to and from the on-board memory, of which:
+    pub mem_bytes: u64,
+    /// Bytes read for the first-level caches.
+    pub mem_bytes_l1_fill: u64,
+    /// Bytes written that came from the host.
+    pub mem_bytes_vm_fill: u64,
+    /// Bytes of metadata, of which:
+    pub mem_bytes_metadata: u64,
+    /// Bytes read.
+    pub mem_bytes_metadata_read: u64,
+    /// Bytes written back.
+    pub mem_bytes_metadata_write_back: u64,
+    /// Part of the peak of the on-board memory.
+    pub mem_use: f64,
+    /// The first-level caches by unit.
+    pub l1: BTreeMap<&'static str, CacheRow>,
+    /// Requests to the virtual memory.
+    pub l2_accesses: u64,
+    /// Requests whose line was there or in flight.
+    pub l2_hits: u64,
+    /// Of these, requests whose line was in flight.
+    pub l2_merged: u64,
+    /// The units of all pipelines by type.
+    pub units: BTreeMap<&'static str, UnitRow>,
+}
+
+/// What a cache did. All that is neither hit nor merged was a miss.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CacheRow {
+    /// Lines looked up.
+    pub accesses: u64,
+    /// Lines that were there.
+    pub hits: u64,
+    /// Lines that were in flight.
+    pub merged: u64,
+}
+
+/// The cycles of the units of one type: `busy + stalled + idle` = cycles × pipelines.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct UnitRow {
+    /// Rays went in.
+    pub busy: u64,
+    /// Threads wanted the unit, and had not their bytes.
+    pub stalled: u64,
+    /// No thread wanted the unit.
+    pub idle: u64,
+    /// What the stalled cycles waited for.
+    pub stalls: BTreeMap<&'static str, u64>,
+    /// Packet operations.
+    pub operations: u64,
+    /// Rays that went in.
+    pub rays: u64,
+}
+
+/// Name of a cause of stalls.
+#[must_use]
+pub fn stall_name(stall: Stall) -> &'static str {
+    match stall {
+        Stall::LookUp => "look_up",
+        Stall::Port => "port",
+        Stall::Mshr => "mshr",
+        Stall::Memory => "memory",
+        Stall::Host => "host",
+    }
+}
+
+impl From<CacheReport> for CacheRow {
+    fn from(cache: CacheReport) -> Self {
+        Self { accesses: cache.accesses, hits: cache.hits(), merged: cache.merged }
+    }
+}
+
+impl From<UnitReport> for UnitRow {
+    fn from(unit: UnitReport) -> Self {
+        Self {
+            busy: unit.busy,
+            stalled: unit.stalled(),
+            idle: unit.idle,
+            stalls: Stall::ALL.map(stall_name).into_iter().zip(unit.stalls).collect(),
+            operations: unit.operations,
+            rays: unit.rays,
+        }
+    }
+}
+
+impl TimingRow {
+    /// What a frame of a scene with so many rays took on a chip.
+    #[must_use]
+    pub fn new(scene: &str, frame: usize, rays: u64, config: &ChipConfig, report: &TimingReport) -> Self {
+        let cycles = report.cycles.max(1) as f64;
+        let sdram = config.sdram;
+        let beats = report.memory_bytes() / u64::from(sdram.beat_bytes);
+        Self {
+            scene: scene.to_owned(),
+            frame,
+            variant: version_name(config.version),
+            cycles: report.cycles,
+            fps: config.fps(report.cycles),
+            rays,
+            cycles_a_ray: report.cycles as f64 * f64::from(config.pipelines) / rays.max(1) as f64,
+            pci_bytes: report.pci_bytes,
+            pci_use: report.pci_busy as f64 / cycles,
+            mem_bytes: report.memory_bytes(),
+            mem_bytes_l1_fill: report.l1_fill_bytes,
+            mem_bytes_vm_fill: report.vm_fill_bytes,
+            mem_bytes_metadata: report.metadata_read_bytes + report.metadata_write_back_bytes,
+            mem_bytes_metadata_read: report.metadata_read_bytes,
+            mem_bytes_metadata_write_back: report.metadata_write_back_bytes,
+            mem_use: (beats * u64::from(sdram.cycles_a_clock)) as f64 / cycles,
+            l1: UNIT_NAMES.into_iter().zip(report.l1.map(CacheRow::from)).collect(),
+            l2_accesses: report.l2.accesses,
+            l2_hits: report.l2.accesses - report.l2.misses,
+            l2_merged: report.l2.merged,
+            units: UNIT_NAMES.into_iter().zip(report.units.map(UnitRow::from)).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn morton_order_keeps_neighbours_together() {
+        let order = PacketOrder::Morton.packets((4, 3));
+        assert_eq!(order, [0, 1, 4, 5, 2, 3, 6, 7, 8, 9, 10, 11]);
+        assert_eq!(PacketOrder::Scan.packets((2, 2)), [0, 1, 2, 3]);
+    }
+}
