@@ -9,7 +9,7 @@ use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 use saarcor_model::vm::Bytes;
-use saarcor_oracles::paper::MB;
+use saarcor_paper::MB;
 use saarcor_studies::sweep::Costs;
 use std::sync::Arc;
 

@@ -2,25 +2,10 @@
 
 use crate::size::Size;
 use crate::table::{Column, Table};
-use saarcor_model::time::standard;
-use saarcor_model::vm::{Bytes, Geometry};
-use saarcor_oracles::paper::{self, MetadataExample};
+use saarcor_model::vm::Bytes;
+use saarcor_paper::metadata::example_of;
+use saarcor_paper::tables::MetadataExample;
 use saarcor_studies::metadata::MetadataFacts;
-
-/// The paper's example of the same sizes.
-fn example(facts: &MetadataFacts) -> Option<&'static MetadataExample> {
-    let mut examples = paper::stated().metadata.examples.iter();
-    examples.find(|e| (e.memory_bytes, e.line_bytes) == (facts.memory_bytes, facts.line_bytes))
-}
-
-/// The paper's examples, computed.
-#[must_use]
-pub fn examples() -> Vec<MetadataFacts> {
-    let paper::Stated { metadata } = paper::stated();
-    let shape =
-        |e: &MetadataExample| Geometry::new(Bytes(e.memory_bytes), Bytes(e.line_bytes), standard::WAYS);
-    metadata.examples.iter().filter_map(|e| shape(e).ok()).map(MetadataFacts::of).collect()
-}
 
 /// Ours beside the paper's, where the paper has it.
 #[must_use]
@@ -37,7 +22,7 @@ pub fn table(rows: &[MetadataFacts]) -> Table {
             facts.sets.to_string(),
             Size(Bytes(facts.metadata_bytes)).to_string(),
             format!("{:.3} %", facts.metadata_percent),
-            example(facts).map_or_else(|| "–".to_owned(), printed),
+            example_of(facts).map_or_else(|| "–".to_owned(), printed),
         ]);
     }
     table

@@ -127,28 +127,30 @@ impl Drop for Bar {
     }
 }
 
-/// Estimates when work of many parts will be done, from about how long each of them takes.
+/// Estimates when long work will be done, from the part of it that is.
 #[derive(Clone, Copy, Debug)]
 pub struct Remaining {
     started: Instant,
-    all: f64,
-    done: f64,
 }
 
 impl Remaining {
-    /// Nothing is done yet of parts that are expected to take `all` seconds together. Only their
-    /// relation among each other matters.
+    /// The work begins.
     #[must_use]
-    pub fn new(all: f64) -> Self {
-        Self { started: Instant::now(), all, done: 0.0 }
+    pub fn new() -> Self {
+        Self { started: Instant::now() }
     }
 
-    /// A part that was expected to take so many seconds is done: says how much time is left.
-    pub fn done(&mut self, seconds: f64, progress: &Progress) {
-        self.done += seconds;
+    /// A part of the work is done, 0 to 1: says how much time is left.
+    pub fn say(&self, part: f64, progress: &Progress) {
         let elapsed = self.started.elapsed().as_secs_f64();
-        let left = (elapsed * (self.all / self.done - 1.0)).max(0.0);
-        let part = 100.0 * self.done / self.all;
-        progress.say(format_args!("{part:.0} % done in {elapsed:.0} s, about {left:.0} s left"));
+        let left = (elapsed * (1.0 / part - 1.0)).max(0.0);
+        let percent = 100.0 * part;
+        progress.say(format_args!("{percent:.0} % done in {elapsed:.0} s, about {left:.0} s left"));
+    }
+}
+
+impl Default for Remaining {
+    fn default() -> Self {
+        Self::new()
     }
 }

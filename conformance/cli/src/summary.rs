@@ -1,7 +1,8 @@
 //! What a scene needs of the chip, and the bytes of its image, for a person to read.
 
-use crate::table::{Column, Table, mb};
+use crate::table::{Column, Table};
 use saarcor_model::host::Features;
+use saarcor_paper::mb;
 use saarcor_studies::summary::{Summary, needs};
 
 /// The names of the features that a scene needs, or does not need.

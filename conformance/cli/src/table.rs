@@ -97,12 +97,6 @@ pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// A number of bytes in the paper's MB, 2^20 bytes.
-#[must_use]
-pub fn mb(bytes: u64) -> String {
-    format!("{:.2}", bytes as f64 / saarcor_oracles::paper::MB as f64)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{room_arg, stdout_of};
-use saarcor_oracles::paper;
+use saarcor_paper::tables as paper;
 use serde_json::Value;
 
 /// Table 1, as generated: the paper's triangles and lights, and its textures within 2 %.

@@ -13,8 +13,8 @@
 //! | [`chip::naive_simulate`] | the chip in time |
 //! | [`search::closest_hit`] | kd-tree traversal |
 //! | [`exact::judge`], [`exact::closest`] | triangle tests, and what a ray hits first |
+//! | [`embree`] | answers of the model, by Embree |
 //! | [`bvh::Bvh`] | kd-tree traversal, in large scenes |
-//! | [`paper`] | figures, against the published ones |
 
 pub mod bvh;
 pub mod cache;
@@ -23,5 +23,4 @@ pub mod embree;
 pub mod exact;
 pub mod flat;
 pub mod metadata;
-pub mod paper;
 pub mod search;

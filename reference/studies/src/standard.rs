@@ -5,17 +5,22 @@ use saarcor_model::rays::Pipeline;
 use saarcor_model::time::standard::{self, CHIP_CACHE_WAYS};
 use saarcor_model::time::{ChipConfig, Version};
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy, Unit};
-use saarcor_oracles::paper;
 
 pub use saarcor_model::time::standard::RESOLUTION;
 
 /// Reflections and refractions that may follow one another.
 pub const MAX_BOUNCES: u32 = Pipeline::<1>::STANDARD_BOUNCES;
 
+/// The name of a scene without its suffixes: `pQuake3` of `pQuake3-nlnt`.
+#[must_use]
+pub fn family(scene: &str) -> &str {
+    scene.split_once('-').map_or(scene, |(family, _suffixes)| family)
+}
+
 /// On-board memory for a scene: for a built-in scene that of Table 2's caption.
 #[must_use]
 pub fn memory(scene: &str) -> Bytes {
-    let family = paper::family(scene);
+    let family = family(scene);
     let stated = standard::MEMORY_OF.iter().find(|(name, _)| name.eq_ignore_ascii_case(family));
     stated.map_or(standard::MEMORY, |(_, memory)| *memory)
 }
@@ -35,7 +40,7 @@ pub fn ways() -> u32 {
 /// The triangle cache for a scene: the larger one for the Cruiser (§4, Stated).
 #[must_use]
 pub fn triangle_cache(scene: &str) -> Bytes {
-    let bytes = if paper::family(scene).eq_ignore_ascii_case("cruiser") {
+    let bytes = if family(scene).eq_ignore_ascii_case("cruiser") {
         standard::CRUISER_TRIANGLE_CACHE_BYTES
     } else {
         standard::FIRST_LEVEL_BYTES[Unit::Intersection as usize]

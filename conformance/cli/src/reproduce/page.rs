@@ -1,9 +1,11 @@
 //! The page: all tables and graphs of a reproduction in one HTML file that needs no other.
 
-use super::verdicts::Verdict;
-use super::{Extent, Report, figure3, plot, table1, table2};
-use crate::metadata;
+use super::{plot, tables};
+use crate::size::Size;
 use crate::table::{Table, escaped};
+use saarcor_model::vm::Bytes;
+use saarcor_paper::reproduction::{Extent, Reproduction};
+use saarcor_paper::verdicts::ClaimVerdict;
 use std::fmt::Write as _;
 
 const STYLE: &str = include_str!("../page.css");
@@ -44,49 +46,16 @@ pub const DIFFERENCES: &[(&str, &str)] = &[
     ),
 ];
 
-/// The tables of a section, with their captions.
-type Captioned = Vec<(String, Table)>;
-
-/// The tables of the report by sections of the page: metadata, scenes, walks, chip.
-pub fn tables(report: &Report) -> [Captioned; 4] {
-    let table2 = table2::tables(&report.table2).into_iter().chain([(
-        "Table 2's hot spots with other lines, fewer ways and without hash (version A)".to_owned(),
-        table2::variation_table(&report.variations),
-    )]);
-    [
-        vec![("Metadata of 16 MB (§3)".to_owned(), metadata::table(&report.metadata))],
-        vec![
-            ("Table 1: the scenes, ours beside the paper's".to_owned(), table1::beside(&report.table1)),
-            (
-                "Bytes a triangle, ours by region of the image".to_owned(),
-                table1::bytes_a_triangle(&report.table1),
-            ),
-        ],
-        vec![(
-            format!("Figure 3: hot spots of the walks ({})", how(report)),
-            figure3::extremes(&report.figure3),
-        )],
-        table2.collect(),
-    ]
-}
-
-/// How the walks were made.
-fn how(report: &Report) -> String {
-    let (width, height) = report.resolution;
-    let frames = if report.extent == Extent::All { "all frames" } else { "some frames" };
-    format!("{width} × {height} pixels, {frames}")
-}
-
 /// The page.
-pub fn html(report: &Report) -> String {
-    let [metadata, scenes, hot_spots, chip] = tables(report).map(|tables| {
+pub fn html(report: &Reproduction) -> String {
+    let [metadata, scenes, hot_spots, chip] = tables::sections(report).map(|tables| {
         let element = |(caption, table): (String, Table)| {
             format!("<div class=\"scroll\">{}</div>\n", table.to_html(&caption))
         };
         tables.into_iter().map(element).collect::<String>()
     });
     let mut verdicts = String::new();
-    for Verdict { claim, verdict, numbers } in &report.verdicts {
+    for ClaimVerdict { claim, verdict, numbers } in &report.verdicts {
         let numbers: Vec<_> = numbers.iter().map(|number| escaped(number)).collect();
         let (claim, numbers) = (escaped(claim), numbers.join("<br>"));
         let _ = writeln!(verdicts, "<dt>{claim}: <em>{verdict}</em></dt><dd>{numbers}</dd>");
@@ -103,7 +72,7 @@ pub fn html(report: &Report) -> String {
              (<a href=\"figure3-{1}.csv\">CSV</a>, <a href=\"figure3-{1}.svg\">SVG</a>)</figcaption>\n</figure>\n",
             plot::svg(graph),
             escaped(&graph.name),
-            graph.memory(),
+            Size(Bytes(graph.memory_bytes)),
         );
     }
     let note = match report.extent {
@@ -150,38 +119,33 @@ const SOME_NOTE: &str = "<p class=\"note\"><strong>Some frames.</strong> The wal
 
 #[cfg(test)]
 mod tests {
-    use super::super::figure3::Graph;
-    use super::super::table1::SceneRow;
-    use super::super::table2::{Stand, hot_spots};
-    use super::super::verdicts::judge;
+    use super::super::csv;
     use super::*;
-    use crate::progress::Progress;
+    use saarcor_paper::figure3::Graph;
+    use saarcor_paper::metadata;
+    use saarcor_paper::table1::SceneRow;
+    use saarcor_paper::table2::{HotSpotRuns, StandIn, hot_spots};
+    use saarcor_paper::tables::table1;
+    use saarcor_paper::verdicts::judge;
+    use saarcor_studies::monitor::Silent;
     use saarcor_studies::trace::{PacketSize, TraceOptions};
     use saarcor_studies::world::{World, WorldOptions};
 
     /// A report of which each row and each graph is about one small room.
-    fn report() -> Report {
+    fn report() -> Reproduction {
         let room = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/room/room.obj");
-        let quiet = Progress::new(true);
-        let world = World::open(&WorldOptions::new(room), &quiet).expect("a scene");
+        let world = World::open(&WorldOptions::new(room), &Silent).expect("a scene");
         let resolution = (32, 24);
         let trace = TraceOptions { resolution, packet: PacketSize::Rays64, max_bounces: 1 };
-        let mut runs = (Vec::new(), Vec::new());
-        let stand = Stand { scene: "room", real: false, of: "Conference" };
-        hot_spots(stand, &world, &trace, &quiet, &mut runs).expect("chips");
-        let (table2, variations) = runs;
-        let mut report = Report {
-            extent: Extent::Quick,
-            resolution,
-            metadata: metadata::examples(),
-            table1: vec![SceneRow::new(&saarcor_oracles::paper::table1()[0], &world)],
-            figure3: vec![Graph::new("room", "Conference", &world, 2, &trace, &quiet).expect("a walk")],
-            table2,
-            variations,
-            verdicts: Vec::new(),
-        };
-        report.verdicts = judge(&report);
-        report
+        let stand_in = StandIn { scene: "room", real: false, of: "Conference" };
+        let runs = hot_spots(stand_in, &world, &trace, &Silent).expect("chips");
+        let HotSpotRuns { spots: table2, variations } = runs;
+        let metadata = metadata::examples();
+        let figure3 = vec![Graph::new("room", "Conference", &world, 2, &trace, &Silent).expect("a walk")];
+        let verdicts = judge(&metadata, &figure3, &table2, &variations);
+        let table1 = vec![SceneRow::new(&table1()[0], &world)];
+        let extent = Extent::Quick;
+        Reproduction { extent, resolution, metadata, table1, figure3, table2, variations, verdicts }
     }
 
     #[test]
@@ -230,7 +194,7 @@ mod tests {
     fn graphs_have_a_row_a_frame() {
         let graph = &report().figure3[0];
         assert_eq!(graph.frames.iter().map(|row| row.frame).collect::<Vec<_>>(), [0, 2]);
-        let csv = graph.csv();
+        let csv = csv(graph);
         assert!(csv.starts_with("frame,primary_rays,") && csv.ends_with('\n'));
         let commas = |line: &str| line.matches(',').count();
         assert_eq!(csv.lines().map(commas).collect::<Vec<_>>(), [11; 3]);

@@ -1,14 +1,13 @@
 //! A graph of Figure 3 as SVG.
 
-use super::figure3::Graph;
 use crate::plot::{accessible, theme};
-use crate::table::mb;
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::{LegendPosition, LinePlot, LineStyle};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
-use saarcor_oracles::paper::MB;
+use saarcor_paper::figure3::Graph;
+use saarcor_paper::tables::{MB, mb};
 use saarcor_studies::walk::FrameRow;
 
 /// What is drawn a frame, in MB: name, colour, style, bytes. The colours stand out from white and

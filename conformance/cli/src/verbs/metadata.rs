@@ -1,11 +1,12 @@
 //! `saarcor metadata`.
 
 use crate::args::GeometryArgs;
-use crate::metadata::{examples, table};
+use crate::metadata::table;
 use crate::output::{Stdout, json_line};
 use crate::size::Size;
 use anyhow::Result;
 use saarcor_model::vm::Bytes;
+use saarcor_paper::metadata::examples;
 use saarcor_studies::metadata::MetadataFacts;
 
 /// The size of the cache's metadata, beside the paper's two examples

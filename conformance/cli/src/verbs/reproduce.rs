@@ -1,9 +1,10 @@
 //! `saarcor reproduce`.
 
 use crate::output::{Stdout, json_line};
-use crate::progress::Progress;
-use crate::reproduce::{Extent, Folder, Options, Report};
+use crate::progress::{Progress, Remaining};
+use crate::reproduce::{Folder, print};
 use anyhow::Result;
+use saarcor_paper::reproduction::{Extent, Reproduction, ReproductionOptions};
 use std::path::PathBuf;
 
 /// The paper's figures, ours beside theirs: as tables, and as a page with graphs
@@ -35,13 +36,16 @@ impl Args {
             (false, false) => Extent::Some,
             (false, true) => Extent::All,
         };
-        let report = Report::new(&Options { extent, scenes: self.scenes }, progress)?;
-        let page = folder.write(&report)?;
+        let options = ReproductionOptions { extent, scenes: self.scenes };
+        let remaining = Remaining::new();
+        let reproduction =
+            Reproduction::compute(&options, progress, &mut |part| remaining.say(part, progress))?;
+        let page = folder.write(&reproduction)?;
         let mut out = Stdout::new();
         if self.json {
-            json_line(&mut out, &report)?;
+            json_line(&mut out, &reproduction)?;
         } else {
-            report.print(&mut out)?;
+            print(&reproduction, &mut out)?;
         }
         progress.say(format_args!("written: {}", page.display()));
         out.finish()

@@ -1,7 +1,7 @@
 //! The paper's figures as data: Schmittler, Leidinger, Slusallek, "A Virtual Memory Architecture
 //! for Real-Time Ray Tracing Hardware" (2003).
 //!
-//! Table 1, Table 2 and the results stated in the text stand in `paper/*.toml`, as printed. All are
+//! Table 1, Table 2 and the results stated in the text stand in `*.toml` beside the sources, as printed. All are
 //! Stated; the tests hold them to the relations that they have among each other.
 
 use serde::{Deserialize, Serialize};
@@ -10,6 +10,12 @@ use std::sync::LazyLock;
 /// Bytes in the paper's MB (Derived: §3 calls 5 × 2²⁴ / 128 bytes "640 KB", so its units are
 /// powers of two).
 pub const MB: u64 = 1 << 20;
+
+/// A number of bytes in [`MB`], as the paper prints them but with two digits.
+#[must_use]
+pub fn mb(bytes: u64) -> String {
+    format!("{:.2}", bytes as f64 / MB as f64)
+}
 
 /// A row of Table 1: a benchmark scene.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -100,7 +106,7 @@ pub struct MetadataExample {
 #[must_use]
 pub fn table1() -> &'static [Table1Row] {
     static ROWS: LazyLock<Table<Table1Row>> =
-        LazyLock::new(|| toml::from_str(include_str!("../../paper/table1.toml")).expect("a test reads it"));
+        LazyLock::new(|| toml::from_str(include_str!("../table1.toml")).expect("a test reads it"));
     &ROWS.row
 }
 
@@ -108,7 +114,7 @@ pub fn table1() -> &'static [Table1Row] {
 #[must_use]
 pub fn table2() -> &'static [Table2Row] {
     static ROWS: LazyLock<Table<Table2Row>> =
-        LazyLock::new(|| toml::from_str(include_str!("../../paper/table2.toml")).expect("a test reads it"));
+        LazyLock::new(|| toml::from_str(include_str!("../table2.toml")).expect("a test reads it"));
     &ROWS.row
 }
 
@@ -116,20 +122,14 @@ pub fn table2() -> &'static [Table2Row] {
 #[must_use]
 pub fn stated() -> &'static Stated {
     static VALUES: LazyLock<Stated> =
-        LazyLock::new(|| toml::from_str(include_str!("../../paper/stated.toml")).expect("a test reads it"));
+        LazyLock::new(|| toml::from_str(include_str!("../stated.toml")).expect("a test reads it"));
     &VALUES
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Table<Row> {
-    row: Vec<Row>,
-}
-
-/// The name without its suffixes: `pQuake3` of `pQuake3-nlnt`.
-#[must_use]
-pub fn family(scene: &str) -> &str {
-    scene.split_once('-').map_or(scene, |(family, _suffixes)| family)
+struct Table<T> {
+    row: Vec<T>,
 }
 
 #[cfg(test)]
@@ -137,6 +137,7 @@ mod tests {
     use super::*;
     use saarcor_model::time::standard;
     use saarcor_model::vm::ENTRY_BYTES;
+    use saarcor_studies::standard::family;
 
     fn rows_of(families: &'static [&str]) -> impl Iterator<Item = &'static Table2Row> {
         table2().iter().filter(move |row| families.contains(&family(&row.scene)))

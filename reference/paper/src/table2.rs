@@ -1,14 +1,13 @@
 //! Table 2 (§4): hot spots on the chip without virtual memory, with version A and with version B,
 //! ours beside the paper's.
 
-use crate::progress::Progress;
-use crate::table::{Column, Table};
-use anyhow::Result;
+use crate::tables::{self, MB, Table2Row};
 use rayon::prelude::*;
 use saarcor_fast::chip::simulate;
 use saarcor_model::time::{ChipConfig, PciConfig, Version};
 use saarcor_model::vm::{Bytes, Geometry, Hash};
-use saarcor_oracles::paper::{self, MB, Table2Row, VirtualRun};
+use saarcor_studies::StudyError;
+use saarcor_studies::monitor::Monitor;
 use saarcor_studies::simulate::{PacketOrder, TimingRow, record, record_before};
 use saarcor_studies::standard;
 use saarcor_studies::trace::TraceOptions;
@@ -56,9 +55,18 @@ pub struct Variation {
     pub run: TimingRow,
 }
 
+/// Hot spots, and some of them with other virtual memories.
+#[derive(Clone, Debug, Default)]
+pub struct HotSpotRuns {
+    /// The hot spots.
+    pub spots: Vec<HotSpot>,
+    /// Some of them on other chips.
+    pub variations: Vec<Variation>,
+}
+
 /// Which of our scenes stands in a row of the paper.
 #[derive(Clone, Copy, Debug)]
-pub struct Stand<'a> {
+pub struct StandIn<'a> {
     /// Our scene, as it is printed.
     pub scene: &'a str,
     /// Whether it is one of the real scenes.
@@ -86,17 +94,17 @@ fn frame_number(paper: &Table2Row, path: usize) -> usize {
 /// # Errors
 /// If the standard sizes make no chip.
 pub fn hot_spots(
-    stand: Stand<'_>,
+    stand: StandIn<'_>,
     world: &World,
     trace: &TraceOptions,
-    progress: &Progress,
-    runs: &mut (Vec<HotSpot>, Vec<Variation>),
-) -> Result<()> {
-    for (place, paper) in paper::table2().iter().filter(|row| row.scene == stand.of).enumerate() {
+    monitor: &dyn Monitor,
+) -> Result<HotSpotRuns, StudyError> {
+    let mut runs = HotSpotRuns::default();
+    for (place, paper) in tables::table2().iter().filter(|row| row.scene == stand.of).enumerate() {
         let frame = frame_number(paper, world.path.len());
         let what = format!("{} for {}, {}", stand.scene, stand.of, paper.frame);
         let order = PacketOrder::default();
-        let (before, recording) = progress.during(&format!("{what}: trace"), |_| {
+        let (before, recording) = monitor.during(&format!("{what}: trace"), |_| {
             let before = record_before(world, frame, WARM_UP, trace, order, &|_| ());
             (before, record(world, frame, trace, order))
         });
@@ -111,14 +119,14 @@ pub fn hot_spots(
             Vec::new()
         };
         configs.extend(&varied);
-        let played = progress.during(&format!("{what}: chip"), |_| {
+        let played = monitor.during(&format!("{what}: chip"), |_| {
             configs
                 .par_iter()
                 .map(|config| {
                     let report = simulate(&before, &recording.programs, config)?;
                     Ok(TimingRow::new(stand.scene, frame, rays, config, &report))
                 })
-                .collect::<Result<Vec<TimingRow>>>()
+                .collect::<Result<Vec<TimingRow>, StudyError>>()
         })?;
         let mut played = played.into_iter();
         let [Some(no_vm), Some(version_a), Some(version_b), Some(version_a_fast_pci)] =
@@ -126,7 +134,7 @@ pub fn hot_spots(
         else {
             unreachable!("a run a chip")
         };
-        runs.0.push(HotSpot {
+        runs.spots.push(HotSpot {
             scene: stand.scene.to_owned(),
             real: stand.real,
             frame,
@@ -136,7 +144,7 @@ pub fn hot_spots(
             version_b,
             version_a_fast_pci,
         });
-        runs.1.extend(played.zip(varied).map(|(run, config)| {
+        runs.variations.extend(played.zip(varied).map(|(run, config)| {
             let geometry = config.cache.geometry;
             Variation {
                 scene: stand.scene.to_owned(),
@@ -148,16 +156,16 @@ pub fn hot_spots(
             }
         }));
     }
-    Ok(())
+    Ok(runs)
 }
 
 /// Sizes of lines that are compared.
 const LINES: [u64; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
 
 /// The chip with other lines, and with fewer ways and without hash.
-fn variations(standard: &ChipConfig) -> Result<Vec<ChipConfig>> {
+fn variations(standard: &ChipConfig) -> Result<Vec<ChipConfig>, StudyError> {
     let memory = standard.cache.geometry.memory();
-    let with = |line: u64, ways: u32, hash: Hash| -> Result<ChipConfig> {
+    let with = |line: u64, ways: u32, hash: Hash| -> Result<ChipConfig, StudyError> {
         let mut config = *standard;
         config.cache.geometry = Geometry::new(memory, Bytes(line), ways)?;
         config.cache.hash = hash;
@@ -173,6 +181,7 @@ fn variations(standard: &ChipConfig) -> Result<Vec<ChipConfig>> {
     lines.chain(sets).collect()
 }
 
+/// A number of bytes in [`MB`].
 fn in_mb(bytes: u64) -> f64 {
     bytes as f64 / MB as f64
 }
@@ -216,101 +225,6 @@ impl Shape {
     }
 }
 
-/// A ratio for a reader; nothing, where a number is divided by nothing.
-fn ratio(value: f64) -> String {
-    if value.is_finite() { format!("{value:.2}") } else { "–".to_owned() }
-}
-
-/// Columns that name a row.
-fn names() -> impl Iterator<Item = Column> {
-    ["scene", "frame", "ours"].map(Column::text).into_iter()
-}
-
-fn name(spot: &HotSpot) -> impl Iterator<Item = String> {
-    let HotSpot { scene, frame, paper, .. } = spot;
-    [paper.scene.clone(), paper.frame.clone(), format!("{scene} {frame}")].into_iter()
-}
-
-/// Ours, the paper's, and their ratio.
-fn beside(ours: f64, paper: f64, digits: usize) -> [String; 3] {
-    [format!("{ours:.digits$}"), format!("{paper:.digits$}"), ratio(ours / paper)]
-}
-
-/// Table 2, a table a version, and the relations within the rows.
-#[must_use]
-pub fn tables(spots: &[HotSpot]) -> Vec<(String, Table)> {
-    let figure = |name: &str| [name, "paper", "ratio"].map(Column::number);
-    let table = |figures: &[&str]| Table::new(names().chain(figures.iter().flat_map(|name| figure(name))));
-    let mut no_vm = Table::new(
-        names().chain(figure("fps")).chain(figure("Mem MB")).chain([Column::number("cycles a ray")]),
-    );
-    let (mut a, mut b) = (table(&["fps", "PCI MB", "Mem MB"]), table(&["fps", "PCI MB", "Mem MB"]));
-    for spot in spots {
-        let Table2Row { no_vm: paper, version_a, version_b, .. } = &spot.paper;
-        let run = &spot.no_vm;
-        let cells = beside(run.fps, paper.fps, 1)
-            .into_iter()
-            .chain(beside(in_mb(run.mem_bytes), paper.mem_mb, 1))
-            .chain([format!("{:.1}", run.cycles_a_ray)]);
-        no_vm.row(name(spot).chain(cells));
-        let with_vm = |table: &mut Table, run: &TimingRow, paper: &VirtualRun| {
-            let cells = beside(run.fps, paper.fps, 1)
-                .into_iter()
-                .chain(beside(in_mb(run.pci_bytes), paper.pci_mb, 2))
-                .chain(beside(in_mb(run.mem_bytes), paper.mem_mb, 1));
-            table.row(name(spot).chain(cells));
-        };
-        with_vm(&mut a, &spot.version_a, version_a);
-        with_vm(&mut b, &spot.version_b, version_b);
-    }
-    vec![
-        ("Table 2: hot spots without virtual memory".to_owned(), no_vm),
-        ("Table 2: version A, metadata on the chip".to_owned(), a),
-        ("Table 2: version B, metadata in the on-board memory".to_owned(), b),
-        ("Table 2: relations within its rows".to_owned(), shapes(spots)),
-    ]
-}
-
-/// The relations, ours and the paper's.
-fn shapes(spots: &[HotSpot]) -> Table {
-    let relations = ["A / no VM", "B / no VM", "Mem B / A", "(Mem A - no VM) / PCI"];
-    let columns = relations.iter().flat_map(|name| [*name, "paper"]).map(Column::number);
-    let mut table = Table::new(names().chain(columns));
-    for spot in spots {
-        let (ours, paper) = (Shape::ours(spot), Shape::printed(&spot.paper));
-        let pairs = [
-            (ours.speed_a, paper.speed_a),
-            (ours.speed_b, paper.speed_b),
-            (ours.memory_b, paper.memory_b),
-            (ours.filled, paper.filled),
-        ];
-        table.row(name(spot).chain(pairs.into_iter().flat_map(|(ours, paper)| [ratio(ours), ratio(paper)])));
-    }
-    table
-}
-
-/// The hot spots on chips that differ from version A in the virtual memory.
-#[must_use]
-pub fn variation_table(variations: &[Variation]) -> Table {
-    let names = ["scene", "line", "ways", "hash"].map(Column::text).into_iter();
-    let numbers = ["fps", "loaded MB", "Mem MB", "metadata KB"].map(Column::number);
-    let mut table = Table::new(names.chain(numbers));
-    for Variation { scene, line_bytes, ways, hashed, metadata_bytes, run } in variations {
-        let hash = if *hashed { "yes" } else { "no" };
-        table.row([
-            format!("{scene} {}", run.frame),
-            line_bytes.to_string(),
-            ways.to_string(),
-            hash.to_owned(),
-            format!("{:.1}", run.fps),
-            format!("{:.2}", in_mb(run.pci_bytes)),
-            format!("{:.2}", in_mb(run.mem_bytes)),
-            format!("{:.0}", *metadata_bytes as f64 / 1024.0),
-        ]);
-    }
-    table
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -318,7 +232,7 @@ mod tests {
     #[test]
     fn letters_are_hot_spots_of_ours() {
         let numbers = |scene: &str, path| -> Vec<usize> {
-            let rows = paper::table2().iter().filter(|row| row.scene == scene);
+            let rows = tables::table2().iter().filter(|row| row.scene == scene);
             rows.map(|row| frame_number(row, path)).collect()
         };
         assert_eq!(numbers("Conference-8l", 402), [400, 401]);
@@ -328,7 +242,7 @@ mod tests {
 
     #[test]
     fn relations_of_the_paper_are_those_of_its_digits() {
-        let row = paper::table2().iter().find(|row| row.scene == "Conference").expect("a row");
+        let row = tables::table2().iter().find(|row| row.scene == "Conference").expect("a row");
         let shape = Shape::printed(row);
         assert!((shape.speed_a - 31.6 / 33.0).abs() < 1e-12 && (shape.speed_b - 29.7 / 33.0).abs() < 1e-12);
         assert!((shape.memory_b - 25.2 / 19.1).abs() < 1e-12 && (shape.filled - 1.0 / 0.78).abs() < 1e-9);

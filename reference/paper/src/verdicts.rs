@@ -1,11 +1,10 @@
 //! What the paper claims, and whether it holds here.
 
-use super::Report;
-use super::figure3::Graph;
-use super::table2::{HotSpot, Shape, Variation};
-use crate::table::mb;
-use saarcor_oracles::paper;
-use saarcor_studies::standard;
+use crate::figure3::Graph;
+use crate::table2::{HotSpot, Shape, Variation};
+use crate::tables::{self, mb};
+use saarcor_studies::metadata::MetadataFacts;
+use saarcor_studies::standard::{self, family};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -47,7 +46,7 @@ impl fmt::Display for Holds {
 
 /// A claim of the paper, judged.
 #[derive(Clone, Debug, Serialize)]
-pub struct Verdict {
+pub struct ClaimVerdict {
     /// The claim.
     pub claim: String,
     /// Whether it holds.
@@ -93,53 +92,56 @@ impl fmt::Display for Range {
 fn families<'a>(spots: impl IntoIterator<Item = &'a HotSpot>) -> BTreeMap<String, Vec<&'a HotSpot>> {
     let mut families: BTreeMap<String, Vec<&HotSpot>> = BTreeMap::new();
     for spot in spots {
-        let family = paper::family(&spot.paper.scene);
-        let name = if spot.real { format!("{family} (real scene)") } else { family.to_owned() };
+        let name = family(&spot.paper.scene);
+        let name = if spot.real { format!("{name} (real scene)") } else { name.to_owned() };
         families.entry(name).or_default().push(spot);
     }
     families
 }
 
-/// Judges all claims on which the report has numbers.
+/// Judges all claims: by the examples of §3, the walks, the hot spots, and their variations.
 #[must_use]
-pub fn judge(report: &Report) -> Vec<Verdict> {
-    let spots = &report.table2;
+pub fn judge(
+    examples: &[MetadataFacts],
+    graphs: &[Graph],
+    spots: &[HotSpot],
+    variations: &[Variation],
+) -> Vec<ClaimVerdict> {
     vec![
-        metadata(report),
-        memory(&report.figure3),
+        metadata(examples),
+        memory(graphs),
         relation("Version A is hardly slower than no virtual memory (A / no VM)", spots, |s| s.speed_a),
         relation("Version B is a little slower than A (B / no VM)", spots, |s| s.speed_b),
         filled(spots),
         relation("Version B moves a third more than A at most (Mem B / Mem A)", spots, |s| s.memory_b),
         fast_bus(spots),
-        best_line(&report.variations),
-        ways_and_hash(&report.variations),
+        best_line(variations),
+        ways_and_hash(variations),
         linear(spots),
         local_memory(spots),
     ]
 }
 
-fn metadata(report: &Report) -> Verdict {
-    let examples = &paper::stated().metadata.examples;
-    let same = examples.iter().zip(&report.metadata).map(|(e, ours)| e.metadata_bytes == ours.metadata_bytes);
-    let ours: Vec<_> = report
-        .metadata
+fn metadata(computed: &[MetadataFacts]) -> ClaimVerdict {
+    let printed = &tables::stated().metadata.examples;
+    let same = printed.iter().zip(computed).map(|(e, ours)| e.metadata_bytes == ours.metadata_bytes);
+    let ours: Vec<_> = computed
         .iter()
         .map(|ours| format!("{} KB at {} B", ours.metadata_bytes >> 10, ours.line_bytes))
         .collect();
-    Verdict {
+    ClaimVerdict {
         claim: "16 MB need 640 KB of metadata in lines of 128 B and 80 KB in lines of 1 KB (§3)".to_owned(),
         verdict: Holds::of(same),
         numbers: vec![ours.join(", ")],
     }
 }
 
-fn memory(graphs: &[Graph]) -> Verdict {
+fn memory(graphs: &[Graph]) -> ClaimVerdict {
     let peak = |graph: &Graph| graph.peak(|row| row.working_set_bytes).map_or(0, |row| row.working_set_bytes);
     let numbers = graphs
         .iter()
         .map(|graph| format!("{}: {} of {} MB", graph.name, mb(peak(graph)), graph.memory_bytes >> 20));
-    Verdict {
+    ClaimVerdict {
         claim: "The memories of Table 2 hold the largest working set (§4)".to_owned(),
         verdict: Holds::of(graphs.iter().map(|graph| peak(graph) <= graph.memory_bytes)),
         numbers: numbers.collect(),
@@ -147,38 +149,38 @@ fn memory(graphs: &[Graph]) -> Verdict {
 }
 
 /// Whether a relation within the rows lies in the paper's own range, family by family.
-fn relation(claim: &str, spots: &[HotSpot], of: impl Fn(&Shape) -> f64) -> Verdict {
+fn relation(claim: &str, spots: &[HotSpot], of: impl Fn(&Shape) -> f64) -> ClaimVerdict {
     let (mut places, mut numbers) = (Vec::new(), Vec::new());
-    for (family, spots) in families(spots) {
+    for (name, spots) in families(spots) {
         let paper = Range::of(spots.iter().map(|spot| of(&Shape::printed(&spot.paper))));
         let ours = || spots.iter().map(|spot| of(&Shape::ours(spot)));
         places.extend(ours().map(|value| paper.widened().has(value)));
-        numbers.push(format!("{family} {} (paper {paper})", Range::of(ours())));
+        numbers.push(format!("{name} {} (paper {paper})", Range::of(ours())));
     }
-    Verdict { claim: format!("{claim} (Table 2)"), verdict: Holds::of(places), numbers }
+    ClaimVerdict { claim: format!("{claim} (Table 2)"), verdict: Holds::of(places), numbers }
 }
 
-/// A claim on a number of each row, told family by family.
+/// A claim on a number of each row, judged family by family.
 fn of_rows<'a>(
     claim: &str,
     spots: impl IntoIterator<Item = &'a HotSpot>,
     number: impl Fn(&HotSpot) -> f64,
     holds: impl Fn(f64) -> bool,
-) -> Verdict {
+) -> ClaimVerdict {
     let (mut places, mut numbers) = (Vec::new(), Vec::new());
-    for (family, spots) in families(spots) {
+    for (name, spots) in families(spots) {
         let ours = || spots.iter().map(|spot| number(spot));
         places.extend(ours().map(&holds));
-        numbers.push(format!("{family} {}", Range::of(ours())));
+        numbers.push(format!("{name} {}", Range::of(ours())));
     }
-    Verdict { claim: claim.to_owned(), verdict: Holds::of(places), numbers }
+    ClaimVerdict { claim: claim.to_owned(), verdict: Holds::of(places), numbers }
 }
 
-/// Rows in which less is loaded tell nothing of what is made of it.
+/// Rows in which less is loaded show nothing of what is made of it.
 const WORTH_COUNTING_MB: f64 = 0.05;
 
-fn filled(spots: &[HotSpot]) -> Verdict {
-    let counts = |spot: &&HotSpot| spot.version_a.pci_bytes as f64 > WORTH_COUNTING_MB * paper::MB as f64;
+fn filled(spots: &[HotSpot]) -> ClaimVerdict {
+    let counts = |spot: &&HotSpot| spot.version_a.pci_bytes as f64 > WORTH_COUNTING_MB * tables::MB as f64;
     of_rows(
         "What is loaded reaches the on-board memory once: (Mem A - Mem no VM) / PCI is 1, within 10 % (Table 2)",
         spots.iter().filter(counts),
@@ -187,7 +189,7 @@ fn filled(spots: &[HotSpot]) -> Verdict {
     )
 }
 
-fn fast_bus(spots: &[HotSpot]) -> Verdict {
+fn fast_bus(spots: &[HotSpot]) -> ClaimVerdict {
     of_rows(
         "A bus four times as fast changes nothing: less than 2 % (§4)",
         spots,
@@ -211,7 +213,7 @@ fn is_of_lines(variation: &Variation) -> bool {
     variation.ways == standard::ways() && variation.hashed
 }
 
-fn best_line(variations: &[Variation]) -> Verdict {
+fn best_line(variations: &[Variation]) -> ClaimVerdict {
     let (mut places, mut numbers) = (Vec::new(), Vec::new());
     for (scene, all) in by_scene(variations) {
         let lines = || all.iter().copied().filter(|variation| is_of_lines(variation));
@@ -230,10 +232,10 @@ fn best_line(variations: &[Variation]) -> Verdict {
             both.line_bytes, fewest.line_bytes, fastest.line_bytes
         ));
     }
-    Verdict { claim: "Lines of 128 B are best (§3)".to_owned(), verdict: Holds::of(places), numbers }
+    ClaimVerdict { claim: "Lines of 128 B are best (§3)".to_owned(), verdict: Holds::of(places), numbers }
 }
 
-fn ways_and_hash(variations: &[Variation]) -> Verdict {
+fn ways_and_hash(variations: &[Variation]) -> ClaimVerdict {
     let (mut places, mut numbers) = (Vec::new(), Vec::new());
     for (scene, all) in by_scene(variations) {
         let of_line = || all.iter().filter(|variation| variation.line_bytes == standard::line().0);
@@ -245,7 +247,7 @@ fn ways_and_hash(variations: &[Variation]) -> Verdict {
         });
         numbers.push(format!("{scene}, MB loaded by ways: {}", each.collect::<Vec<_>>().join(", ")));
     }
-    Verdict {
+    ClaimVerdict {
         claim: "4 ways with the hash load the least, against 1, 2 and 4 ways with and without (§3)"
             .to_owned(),
         verdict: Holds::of(places),
@@ -253,9 +255,9 @@ fn ways_and_hash(variations: &[Variation]) -> Verdict {
     }
 }
 
-fn linear(spots: &[HotSpot]) -> Verdict {
+fn linear(spots: &[HotSpot]) -> ClaimVerdict {
     let mut frames: BTreeMap<(bool, &str), Vec<f64>> = BTreeMap::new();
-    for spot in spots.iter().filter(|spot| paper::family(&spot.paper.scene) == "Conference") {
+    for spot in spots.iter().filter(|spot| family(&spot.paper.scene) == "Conference") {
         frames.entry((spot.real, &spot.paper.frame)).or_default().push(spot.no_vm.cycles_a_ray);
     }
     let (mut places, mut numbers) = (Vec::new(), Vec::new());
@@ -266,7 +268,7 @@ fn linear(spots: &[HotSpot]) -> Verdict {
         let scene = if real { "real " } else { "" };
         numbers.push(format!("{scene}{frame}: {}", cycles.join(", ")));
     }
-    Verdict {
+    ClaimVerdict {
         claim:
             "Speed is linear in rays: cycles a ray of Conference with 0, 2 and 8 lights within 15 % (Table 2)"
                 .to_owned(),
@@ -275,16 +277,16 @@ fn linear(spots: &[HotSpot]) -> Verdict {
     }
 }
 
-fn local_memory(spots: &[HotSpot]) -> Verdict {
+fn local_memory(spots: &[HotSpot]) -> ClaimVerdict {
     // A little under the 0.60 at which random reads of triangles saturate (SD-4).
     const SATURATED: f64 = 0.55;
     let claim = "The Cruiser is limited by the on-board memory: at least 0.55 of its peak without virtual memory (§4)";
     let used = |spot: &HotSpot| spot.no_vm.mem_use;
     let is_limited = |used: f64| used >= SATURATED;
-    let cruiser = spots.iter().filter(|spot| paper::family(&spot.paper.scene) == "Cruiser");
+    let cruiser = spots.iter().filter(|spot| family(&spot.paper.scene) == "Cruiser");
     // The others are there to compare.
-    let Verdict { verdict, .. } = of_rows(claim, cruiser, used, is_limited);
-    Verdict { verdict, ..of_rows(claim, spots, used, is_limited) }
+    let ClaimVerdict { verdict, .. } = of_rows(claim, cruiser, used, is_limited);
+    ClaimVerdict { verdict, ..of_rows(claim, spots, used, is_limited) }
 }
 
 #[cfg(test)]

@@ -1,0 +1,35 @@
+//! Schmittler, Leidinger, Slusallek, "A Virtual Memory Architecture for Real-Time Ray Tracing Hardware"
+//! (2003): its tables as data, and their reproduction, ours beside theirs.
+//!
+//! ```
+//! use saarcor_paper::tables::{table1, table2};
+//!
+//! let cruiser = table1().iter().find(|row| row.scene == "Cruiser").expect("a scene of Table 1");
+//! assert_eq!(cruiser.triangles, 3_637_101);
+//! // The slowest hot spot of the paper, without virtual memory.
+//! let slowest = table2().iter().min_by(|a, b| a.no_vm.fps.total_cmp(&b.no_vm.fps)).expect("rows");
+//! assert_eq!(slowest.scene, "Conference-8l");
+//! ```
+//!
+//! | module | subject |
+//! |---|---|
+//! | [`tables`] | the paper's tables and stated results, as printed |
+//! | [`metadata`] | the examples of the metadata law (§3), computed |
+//! | [`table1`] | the scenes, ours beside the paper's |
+//! | [`figure3`] | working set and transfers, frame by frame |
+//! | [`table2`] | hot spots on the chip, ours beside the paper's |
+//! | [`verdicts`] | what the paper claims, and whether it holds here |
+//! | [`reproduction`] | all of it in one run |
+
+mod error;
+pub mod figure3;
+pub mod metadata;
+pub mod reproduction;
+pub mod table1;
+pub mod table2;
+pub mod tables;
+pub mod verdicts;
+
+pub use error::ReproductionError;
+pub use reproduction::Reproduction;
+pub use tables::{MB, mb};
