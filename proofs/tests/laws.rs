@@ -126,7 +126,7 @@ fn b_is_a<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize>(
     for (index, set) in (0..).zip(a.sets()) {
         prop_assert_eq!(b.metadata.entries(SetIndex(index)), set.to_entries(), "set {}", index);
     }
-    prop_assert_eq!(b.metadata.traffic.corrupt, 0);
+    prop_assert_eq!(b.metadata.observer.corrupt, 0);
     Ok(())
 }
 
@@ -154,7 +154,7 @@ fn metadata_traffic_is_the_naive_caches<const GRANULE: usize>(
         for granule in read.into_iter().chain(written) {
             naive.access(LineAddr(granule));
         }
-        let (traffic, expected) = (b.metadata.traffic, naive.counters());
+        let (traffic, expected) = (b.metadata.observer, naive.counters());
         prop_assert_eq!(
             (traffic.accesses, traffic.loads),
             (expected.accesses, expected.misses),

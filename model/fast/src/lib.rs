@@ -3,5 +3,8 @@
 //! corresponding states.
 
 pub mod chip;
+pub mod directory;
+pub mod first_level;
 pub mod pci;
 pub mod sdram;
+pub mod version_b;

@@ -79,7 +79,7 @@ fn version_b<S: Source, const GRANULE: usize>(
         granules: Policy::Lru,
         cache: vec![cache],
         card: card[..granules(GRANULE) * GRANULE].to_vec(),
-        traffic: MetadataTraffic::default(),
+        observer: MetadataTraffic::default(),
     }
 }
 
@@ -191,9 +191,9 @@ theorems! {
         let (truth, mut b, set, own) = any::<S, SMALL>(s)?;
         let before = shown!(b.clone());
         check_eq!(b.load(SetIndex(own as u32)), set, "set {own} of {before:?}");
-        cover!(s, "from the cache", b.traffic.loads < b.traffic.accesses);
-        cover!(s, "from the card", b.traffic.loads == b.traffic.accesses);
-        cover!(s, "written back", b.traffic.write_backs > 0);
+        cover!(s, "from the cache", b.observer.loads < b.observer.accesses);
+        cover!(s, "from the card", b.observer.loads == b.observer.accesses);
+        cover!(s, "written back", b.observer.write_backs > 0);
         check!(holds(&b, &truth), "set {own} of {before:?}: {b:?}");
     }
 
@@ -210,9 +210,9 @@ theorems! {
         b.store(SetIndex(own as u32), &new);
         cover!(s, "changed", changed);
         cover!(s, "unchanged", !changed && !was_dirty);
-        cover!(s, "written back", b.traffic.write_backs > 0);
+        cover!(s, "written back", b.observer.write_backs > 0);
         check!(holds(&b, &truth), "{new:?} stored as set {own} of {before:?}: {b:?}");
-        let written = b.cache[0].dirty[0] || b.traffic.write_backs > 0;
+        let written = b.cache[0].dirty[0] || b.observer.write_backs > 0;
         check_eq!(written, changed || was_dirty, "{new:?} stored as set {own} of {before:?}: written");
     }
 
@@ -249,7 +249,7 @@ theorems! {
         cover!(s, "on the card", !in_cache);
         let before = shown!(b.clone());
         check_eq!(b.load(SetIndex(0)), Set::empty(b.lines), "bit {bit} of {before:?}");
-        check_eq!(b.traffic.corrupt, 1, "bit {bit} of {before:?}: sets told to be corrupt");
+        check_eq!(b.observer.corrupt, 1, "bit {bit} of {before:?}: sets told to be corrupt");
         let new = set(s, b.lines)?;
         put(&mut truth, 0, &new);
         b.store(SetIndex(0), &new);
@@ -272,6 +272,6 @@ theorems! {
         let accesses = (last - first + 1) as u64;
         let loads = accesses - u64::from(found);
         let expected = MetadataTraffic { accesses, loads, write_backs: u64::from(dirty), corrupt: 0 };
-        check_eq!(b.traffic, expected, "set {own} of {before:?}");
+        check_eq!(b.observer, expected, "set {own} of {before:?}");
     }
 }

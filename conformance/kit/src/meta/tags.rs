@@ -6,7 +6,7 @@ use super::request::{Observes, Request, push_moved};
 use crate::hex;
 use crate::serve::{Served, Unsupported};
 use saarcor_model::vm::{
-    CachedMetadata, Directory, HostAddr, LineAddr, Outcome, Policy, Set, Watch, WriteBack,
+    CachedMetadata, Directory, HostAddr, LineAddr, MetadataObserver, Outcome, Policy, Set, WriteBack,
 };
 use saarcor_oracles::metadata::{Moved, NaiveTags};
 
@@ -34,8 +34,13 @@ pub trait Tags: Send {
 #[derive(Clone, Debug, Default)]
 pub struct Log(Vec<Moved>);
 
-impl<const GRANULE: usize> Watch<GRANULE> for Log {
-    fn granule(&mut self, granule: LineAddr, outcome: Outcome, write_back: Option<WriteBack<[u8; GRANULE]>>) {
+impl<const GRANULE: usize> MetadataObserver<[u8; GRANULE]> for Log {
+    fn granule_used(
+        &mut self,
+        granule: LineAddr,
+        outcome: Outcome,
+        write_back: Option<WriteBack<[u8; GRANULE]>>,
+    ) {
         self.0.push(match outcome {
             Outcome::Hit { .. } => Moved::Found(granule.0),
             Outcome::Miss { .. } => Moved::Read(granule.0),
@@ -59,7 +64,7 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> ModelTags<
     /// If the type is not that of the configuration.
     #[must_use]
     pub fn new(config: &MetaConfig) -> Self {
-        let metadata = CachedMetadata::watched(&config.cache, config.sets, Policy::Lru, Log::default());
+        let metadata = CachedMetadata::observed(&config.cache, config.sets, Policy::Lru, Log::default());
         Self { directory: Directory::over(config.cache, metadata) }
     }
 
@@ -76,13 +81,13 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> Tags
 {
     fn access(&mut self, line: LineAddr, moved: &mut Vec<Moved>) -> Outcome {
         let outcome = self.directory.access(line);
-        moved.append(&mut self.directory.metadata.traffic.0);
+        moved.append(&mut self.directory.metadata.observer.0);
         outcome
     }
 
     fn invalidate(&mut self, host: HostAddr, len: u64, moved: &mut Vec<Moved>) {
         self.directory.invalidate(host, len);
-        moved.append(&mut self.directory.metadata.traffic.0);
+        moved.append(&mut self.directory.metadata.observer.0);
     }
 
     fn flush(&mut self) {

@@ -109,7 +109,12 @@ impl<const WAYS: usize> MovingMetadata<WAYS> {
     pub fn new(config: &ChipConfig) -> Self {
         let cache = vec![DataSet::empty(Policy::Lru, ()); config.metadata_cache.sets() as usize];
         let granule = config.metadata_cache.granule as usize;
-        Self { sets: OnChip::new(&config.cache), cache, granule, moves: Vec::new() }
+        Self {
+            sets: OnChip::new(config.cache.geometry.sets(), config.cache.policy),
+            cache,
+            granule,
+            moves: Vec::new(),
+        }
     }
 
     /// The bytes of metadata of the set `index`, as a range of all metadata, granule by granule.
@@ -188,10 +193,10 @@ mod tests {
             for moved in moves.drain(..) {
                 *(if moved.direction == Direction::Read { &mut reads } else { &mut writes }) += 1;
             }
-            let traffic = with_bytes.metadata.traffic;
+            let traffic = with_bytes.metadata.observer;
             assert_eq!((reads, writes), (traffic.loads, traffic.write_backs));
         }
-        assert!(with_bytes.metadata.traffic.write_backs > 0);
+        assert!(with_bytes.metadata.observer.write_backs > 0);
     }
 
     #[test]

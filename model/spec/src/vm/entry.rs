@@ -7,9 +7,9 @@
 //! | 33 .. 37 | one entry of [`Set::order`]: 4 bits name one of 16 ways (LRU, FIFO), PLRU uses 1 |
 //! | 37 .. 40 | check bits: bit `c` makes the parity of all bits `b` with `b mod 3 = (37 + c) mod 3` even |
 //!
-//! The fields are Derived (VM-4, VM-5), their places and the check bits Assumed. The check bits
-//! tell every error of one bit and of up to three neighbouring bits. An error of two bits whose
-//! distance is a multiple of 3 is not told.
+//! The fields are Derived (VM-4, VM-5), their positions and the check bits Assumed. The check bits
+//! detect every error of one bit and of up to three neighbouring bits. They do not detect an error of
+//! two bits whose distance is a multiple of 3.
 
 use super::set::{Policy, Set};
 use super::units::LineAddr;
@@ -38,7 +38,8 @@ pub struct Entry {
 }
 
 /// Metadata that no encoder writes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("corrupt metadata: the check bits are wrong, or the entries make no legal set")]
 pub struct Corrupt;
 
 impl Entry {
@@ -56,7 +57,7 @@ impl Entry {
     /// The entry of 40 bits.
     ///
     /// # Errors
-    /// Where the check bits are not those of the other bits.
+    /// If the check bits do not match the other bits.
     pub fn decode([a, b, c, d, e]: [u8; ENTRY_BYTES]) -> Result<Self, Corrupt> {
         let bits = u64::from_le_bytes([a, b, c, d, e, 0, 0, 0]);
         if check_bits(bits) != 0 {
@@ -93,7 +94,7 @@ impl<const WAYS: usize> Set<WAYS> {
     /// The set whose entries these are, way by way.
     ///
     /// # Errors
-    /// Where an entry is corrupt, or all together are no legal set (VM-5).
+    /// If an entry is corrupt, or the entries together make no legal set (VM-5).
     pub fn from_entries(entries: [[u8; ENTRY_BYTES]; WAYS], policy: Policy) -> Result<Self, Corrupt> {
         let mut set = Self::empty(policy);
         for (way, bits) in entries.into_iter().enumerate() {
@@ -120,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn two_errors_three_bits_apart_are_not_told() {
+    fn two_errors_three_bits_apart_are_not_detected() {
         let mut bits = Entry { line: LineAddr(0), resident: true, order: 0 }.encode();
         bits[0] ^= 0b1001;
         assert_eq!(Entry::decode(bits), Ok(Entry { line: LineAddr(0b1001), resident: true, order: 0 }));

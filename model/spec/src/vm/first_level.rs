@@ -1,11 +1,11 @@
 //! The first-level caches (§2, §4): one a type of functional unit, in front of the virtual memory.
 
 use super::data_set::DataSet;
+use super::directory::Counters;
 use super::hash::Hash;
 use super::memory::{Memory, Unit};
 use super::set::{Outcome, Policy};
 use super::units::{HostAddr, LineAddr, SetIndex};
-use super::virtual_memory::Counters;
 use std::ops::Range;
 
 /// Ways of each first-level cache (§2, Stated).

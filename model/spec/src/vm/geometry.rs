@@ -2,7 +2,6 @@
 
 use super::entry::ENTRY_BYTES;
 use super::units::{Bytes, CardAddr, HostAddr, LineAddr, SetIndex, Way};
-use std::fmt;
 
 /// Most ways a set can have (Assumed: twice what caches of the time had).
 pub const MAX_WAYS: u32 = 16;
@@ -13,10 +12,10 @@ pub const MAX_MEMORY: Bytes = Bytes(1 << 32);
 /// Shape of the on-board cache: `sets × ways` lines of `k` bytes (VM-1).
 ///
 /// All sizes are powers of two, so that a host address splits into line and offset by bits.
-/// A value of this type is always legal: [`Geometry::new`] is the only way to one.
+/// A value of this type is always legal: [`Geometry::new`] refuses all others.
 ///
 /// ```
-/// use saarcor_model::{geometry::Geometry, units::Bytes};
+/// use saarcor_model::vm::{Bytes, Geometry};
 /// let card = Geometry::new(Bytes(16 << 20), Bytes(128), 4)?;
 /// assert_eq!((card.lines(), card.sets()), (131_072, 32_768));
 /// assert_eq!(card.metadata(), Bytes(640 << 10)); // §3: "640 KB"
@@ -30,17 +29,25 @@ pub struct Geometry {
 }
 
 /// Why sizes do not make a cache. Each names the value found and what would be right.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GeometryError {
     /// The memory is no power of two, or zero.
+    #[error("memory of {0} bytes: it must be a power of two, such as {example}", example = example(*.0, "8MiB"))]
     Memory(Bytes),
     /// The memory is larger than [`MAX_MEMORY`].
+    #[error("memory of {0} bytes: a card address has 32 bits, so at most {MAX_MEMORY} bytes")]
     MemoryTooLarge(Bytes),
     /// The line is no power of two, or zero.
+    #[error("line of {0} bytes: it must be a power of two, such as {example}", example = example(*.0, "128"))]
     Line(Bytes),
     /// The number of ways is no power of two, zero, or over [`MAX_WAYS`].
+    #[error("{0} ways: it must be a power of two from 1 to {MAX_WAYS}")]
     Ways(u32),
     /// The memory is smaller than one set.
+    #[error(
+        "memory of {memory} bytes is smaller than one set of {set} bytes (line × ways): \
+         take more memory, shorter lines or fewer ways"
+    )]
     NoSet {
         /// Bytes of the memory.
         memory: Bytes,
@@ -49,36 +56,13 @@ pub enum GeometryError {
     },
 }
 
-impl fmt::Display for GeometryError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Memory(Bytes(0)) => write!(f, "memory of 0 bytes: it must be a power of two, such as 8MiB"),
-            Self::Memory(Bytes(n)) => {
-                write!(f, "memory of {n} bytes: it must be a power of two, such as {}", nearest_power(n))
-            }
-            Self::MemoryTooLarge(Bytes(n)) => {
-                write!(
-                    f,
-                    "memory of {n} bytes: a card address has 32 bits, so at most {} bytes",
-                    MAX_MEMORY.0
-                )
-            }
-            Self::Line(Bytes(0)) => write!(f, "line of 0 bytes: it must be a power of two, such as 128"),
-            Self::Line(Bytes(n)) => {
-                write!(f, "line of {n} bytes: it must be a power of two, such as {}", nearest_power(n))
-            }
-            Self::Ways(n) => write!(f, "{n} ways: it must be a power of two from 1 to {MAX_WAYS}"),
-            Self::NoSet { memory, set } => write!(
-                f,
-                "memory of {} bytes is smaller than one set of {} bytes (line × ways): \
-                 take more memory, shorter lines or fewer ways",
-                memory.0, set.0
-            ),
-        }
+/// A legal size close to an illegal one.
+fn example(illegal: Bytes, instead_of_zero: &str) -> String {
+    match illegal {
+        Bytes(0) => instead_of_zero.to_owned(),
+        Bytes(n) => nearest_power(n).to_string(),
     }
 }
-
-impl std::error::Error for GeometryError {}
 
 /// The power of two that is nearest to `n > 0` by ratio.
 fn nearest_power(n: u64) -> u64 {
@@ -156,22 +140,19 @@ impl Geometry {
     }
 
     /// The line that holds the byte at `addr`.
-    #[inline]
     #[must_use]
     pub fn line_of(self, addr: HostAddr) -> LineAddr {
         // A line of 2³² bytes has all 32 address bits as its offset.
         LineAddr((u64::from(addr.0) >> self.line_bits) as u32)
     }
 
-    /// The place of the byte at `addr` within its line.
-    #[inline]
+    /// The offset of the byte at `addr` within its line.
     #[must_use]
     pub fn offset_of(self, addr: HostAddr) -> u32 {
         addr.0 & self.offset_mask()
     }
 
     /// Address of the first byte of `line`.
-    #[inline]
     #[must_use]
     pub fn first_byte(self, line: LineAddr) -> HostAddr {
         HostAddr((u64::from(line.0) << self.line_bits) as u32)
@@ -179,7 +160,6 @@ impl Geometry {
 
     /// Where on the card the first byte of the line in `way` of `set` lies: ways of a set follow
     /// one another (Assumed).
-    #[inline]
     #[must_use]
     pub fn card_addr(self, set: SetIndex, way: Way) -> CardAddr {
         let slot = u64::from(set.0) << self.way_bits | u64::from(way.0);

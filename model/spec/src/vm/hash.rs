@@ -18,13 +18,12 @@ impl Hash {
     /// The set of `line` among `2^set_bits` sets.
     ///
     /// ```
-    /// use saarcor_model::{hash::Hash, units::{LineAddr, SetIndex}};
+    /// use saarcor_model::vm::{Hash, LineAddr, SetIndex};
     /// let line = LineAddr(0x3_2_1);
     /// assert_eq!(Hash::Low.set_of(line, 4), SetIndex(0x1));
     /// assert_eq!(Hash::AddUpper.set_of(line, 4), SetIndex(0x1 + 0x2));
     /// assert_eq!(Hash::AddUpperAll.set_of(line, 4), SetIndex(0x1 + 0x2 + 0x3));
     /// ```
-    #[inline]
     #[must_use]
     pub fn set_of(self, line: LineAddr, set_bits: u32) -> SetIndex {
         // In 64 bits neither the shift by 32 (2³² sets) nor the sum can overflow.

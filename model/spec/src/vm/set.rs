@@ -14,26 +14,25 @@ pub enum Policy {
     Plru,
 }
 
-/// What an access did.
+/// The result of an access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// The line was resident in `way`.
     Hit {
-        /// Where the line lies.
+        /// The way that holds the line.
         way: Way,
     },
     /// The line was loaded from the host into `way`.
     Miss {
-        /// Where the line lies now.
+        /// The way that holds the line now.
         way: Way,
-        /// The line that lay there and is gone; none where the way was free.
+        /// The line that this way held before; none if it was free.
         evicted: Option<LineAddr>,
     },
 }
 
 impl Outcome {
-    /// Where the line lies after the access.
-    #[inline]
+    /// The way that holds the line after the access.
     #[must_use]
     pub fn way(self) -> Way {
         match self {
@@ -96,37 +95,20 @@ impl<const WAYS: usize> Set<WAYS> {
     }
 
     /// The way that holds `line`.
-    #[inline]
     #[must_use]
     pub fn way_of(&self, line: LineAddr) -> Option<Way> {
-        // Without branches: which way hits cannot be predicted, and at most one does.
-        let mut found = WAYS;
+        let mut found = None;
         for way in 0..WAYS {
-            found = if self.holds(way as u8, line) { way } else { found };
+            if self.resident[way] && self.lines[way] == line {
+                found = Some(Way(way as u8));
+            }
         }
-        (found < WAYS).then_some(Way(found as u8))
+        found
     }
 
-    #[inline]
-    fn holds(&self, way: u8, line: LineAddr) -> bool {
-        self.resident[usize::from(way)] & (self.lines[usize::from(way)] == line)
-    }
-
-    /// The way of `line` where it was used (FIFO: loaded) last: then an access to it changes nothing.
-    ///
-    /// Nearly every access of a picture is one of these, and they need no step. With PLRU, whose
-    /// bits do not tell which way was used last: none.
-    #[inline]
-    #[must_use]
-    pub fn way_if_youngest(&self, line: LineAddr, policy: Policy) -> Option<Way> {
-        let youngest = self.order[0];
-        (policy != Policy::Plru && self.holds(youngest, line)).then_some(Way(youngest))
-    }
-
-    /// The step: uses `line`, which is loaded where it is not resident (VM-6).
+    /// The step: uses `line`, which is loaded if it is not resident (VM-6).
     ///
     /// A free way is taken before a line is evicted, the lowest number first (VM-7, Assumed).
-    #[inline]
     #[must_use]
     pub fn access(&self, line: LineAddr, policy: Policy) -> (Self, Outcome) {
         let mut next = *self;
@@ -156,17 +138,17 @@ impl<const WAYS: usize> Set<WAYS> {
     }
 
     /// The free way of the lowest number.
-    #[inline]
     fn free_way(&self) -> Option<Way> {
-        let mut free = WAYS;
+        let mut free = None;
         for way in (0..WAYS).rev() {
-            free = if self.resident[way] { free } else { way };
+            if !self.resident[way] {
+                free = Some(Way(way as u8));
+            }
         }
-        (free < WAYS).then_some(Way(free as u8))
+        free
     }
 
     /// The way whose line a full set gives up.
-    #[inline]
     fn victim(&self, policy: Policy) -> Way {
         match policy {
             Policy::Lru | Policy::Fifo => Way(self.order[WAYS - 1]),
@@ -180,19 +162,20 @@ impl<const WAYS: usize> Set<WAYS> {
         }
     }
 
-    /// Makes `way` the youngest; with PLRU, turns the tree away from it.
-    #[inline]
+    /// Makes `way` the one used last; with PLRU, turns the tree away from it.
     fn touch(&mut self, way: Way, policy: Policy) {
         match policy {
             Policy::Lru | Policy::Fifo => {
-                // All that were younger than `way` move one place back, to where it was.
-                let mut moved = way.0;
-                let mut closed = false;
+                // `way` comes first, and all that were before it move one place back.
+                let mut previous = way.0;
+                let mut found = false;
                 for place in &mut self.order {
                     let here = *place;
-                    *place = if closed { here } else { moved };
-                    closed |= here == way.0;
-                    moved = here;
+                    if !found {
+                        *place = previous;
+                    }
+                    found |= here == way.0;
+                    previous = here;
                 }
             }
             Policy::Plru => {
@@ -210,20 +193,20 @@ impl<const WAYS: usize> Set<WAYS> {
 mod tests {
     use super::*;
 
-    /// The lines that a full set of four gives up when it is filled with 0 to 3, `used` are used
-    /// again, and 10, 11, 12 are loaded.
+    /// A set of four is filled with lines 0 to 3, lines `used` are used again, and lines 10, 11, 12 are
+    /// loaded: the lines that these evict.
     fn victims(policy: Policy, used: &[u32]) -> Vec<u32> {
         let mut set = Set::<4>::empty(policy);
-        let mut gone = Vec::new();
+        let mut victims = Vec::new();
         for &line in [0, 1, 2, 3].iter().chain(used).chain(&[10, 11, 12]) {
             let (next, outcome) = set.access(LineAddr(line), policy);
             assert!(next.is_valid(policy));
             set = next;
             if let Outcome::Miss { evicted: Some(line), .. } = outcome {
-                gone.push(line.0);
+                victims.push(line.0);
             }
         }
-        gone
+        victims
     }
 
     #[test]

@@ -1,8 +1,16 @@
 //! Addresses and units. Each is a type of its own, so that mixing them is a type error.
 
+use std::fmt;
+
 /// Number of bytes. 64 bits: host and card memory of 2³² bytes each are legal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Bytes(pub u64);
+
+impl fmt::Display for Bytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
 
 /// Address of a byte in the memory of the host.
 ///
@@ -16,7 +24,6 @@ impl HostAddr {
     ///
     /// # Panics
     /// If the sum leaves the host's 32-bit address space: no record of a valid image does.
-    #[inline]
     #[must_use]
     pub fn offset(self, bytes: u32) -> Self {
         Self(self.0 + bytes)

@@ -3,28 +3,32 @@
 //!
 //! The metadata of a set is that of its ways, way by way; the sets follow one another (Assumed).
 //! The cache is filled and written back in granules of `GRANULE` bytes, a parameter: the metadata
-//! of a set may straddle granules.
+//! of a set may straddle granules. A [`LineAddr`] here is the number of a granule.
 
 use super::data_set::{DataSet, WriteBack};
+use super::directory::CacheConfig;
 use super::entry::{Corrupt, ENTRY_BYTES};
 use super::hash::Hash;
 use super::set::{Outcome, Policy, Set};
 use super::units::{LineAddr, SetIndex, Way};
-use super::virtual_memory::{CacheConfig, Metadata};
+use super::version_a::Metadata;
+use std::ops::Range;
 
-/// Is told what goes through the metadata cache.
-pub trait Watch<const GRANULE: usize> {
-    /// A granule was asked for; for it another one may have been written back.
-    fn granule(&mut self, granule: LineAddr, outcome: Outcome, write_back: Option<WriteBack<[u8; GRANULE]>>);
+/// What watches the metadata cache at work: a counter, or the chip in time, which moves what the
+/// cache loads and writes back. `Contents` is what the cache keeps of a granule.
+pub trait MetadataObserver<Contents> {
+    /// A granule was used. After a miss it was loaded, and then the dirty granule that it evicted, if
+    /// any, was written back.
+    fn granule_used(&mut self, granule: LineAddr, outcome: Outcome, write_back: Option<WriteBack<Contents>>);
 
     /// The metadata of a set was corrupt, and the set was taken for empty (VM-14).
     fn corrupt(&mut self);
 }
 
-/// Counts what went through the metadata cache.
+/// Counts what goes through the metadata cache.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct MetadataTraffic {
-    /// Granules asked for: to read the metadata of a set, and again to write what changed.
+    /// Granules used: to read the metadata of a set, and again to write what changed.
     pub accesses: u64,
     /// Granules read from the on-board memory.
     pub loads: u64,
@@ -34,8 +38,8 @@ pub struct MetadataTraffic {
     pub corrupt: u64,
 }
 
-impl<const GRANULE: usize> Watch<GRANULE> for MetadataTraffic {
-    fn granule(&mut self, _: LineAddr, outcome: Outcome, write_back: Option<WriteBack<[u8; GRANULE]>>) {
+impl<Contents> MetadataObserver<Contents> for MetadataTraffic {
+    fn granule_used(&mut self, _: LineAddr, outcome: Outcome, write_back: Option<WriteBack<Contents>>) {
         self.accesses += 1;
         self.loads += u64::from(matches!(outcome, Outcome::Miss { .. }));
         self.write_backs += u64::from(write_back.is_some());
@@ -53,7 +57,7 @@ pub struct CachedMetadata<
     const WAYS: usize,
     const META_WAYS: usize,
     const GRANULE: usize,
-    W = MetadataTraffic,
+    O = MetadataTraffic,
 > {
     /// Replacement of lines: says which metadata is legal.
     pub lines: Policy,
@@ -63,8 +67,8 @@ pub struct CachedMetadata<
     pub cache: Vec<DataSet<META_WAYS, [u8; GRANULE]>>,
     /// The metadata in the on-board memory: whole granules.
     pub card: Vec<u8>,
-    /// What went through the metadata cache.
-    pub traffic: W,
+    /// What watches the metadata cache.
+    pub observer: O,
 }
 
 impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize>
@@ -76,24 +80,24 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize>
     /// If `sets` is not a power of two.
     #[must_use]
     pub fn new(config: &CacheConfig, sets: usize, granules: Policy) -> Self {
-        Self::watched(config, sets, granules, MetadataTraffic::default())
+        Self::observed(config, sets, granules, MetadataTraffic::default())
     }
 }
 
-impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, W: Watch<GRANULE>>
-    CachedMetadata<WAYS, META_WAYS, GRANULE, W>
+impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, O: MetadataObserver<[u8; GRANULE]>>
+    CachedMetadata<WAYS, META_WAYS, GRANULE, O>
 {
     /// Bytes of metadata a set of lines.
     const SET_BYTES: usize = WAYS * ENTRY_BYTES;
-    /// Granules that a set meets at most.
+    /// Most granules that hold metadata of one set.
     const MOST_GRANULES: usize = (Self::SET_BYTES - 1).div_ceil(GRANULE) + 1;
 
-    /// The same, of which `watch` is told what goes through the metadata cache.
+    /// The same, watched by `observer`.
     ///
     /// # Panics
     /// If `sets` is not a power of two.
     #[must_use]
-    pub fn watched(config: &CacheConfig, sets: usize, granules: Policy, watch: W) -> Self {
+    pub fn observed(config: &CacheConfig, sets: usize, granules: Policy, observer: O) -> Self {
         assert!(sets.is_power_of_two(), "{sets} sets of metadata: it must be a power of two");
         let bytes = config.geometry.sets() as usize * Self::SET_BYTES;
         let mut new = Self {
@@ -101,26 +105,34 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, W: Watch<G
             granules,
             cache: vec![DataSet::empty(granules, [0; GRANULE]); sets],
             card: vec![0; bytes.next_multiple_of(GRANULE)],
-            traffic: watch,
+            observer,
         };
         new.clear();
         new
     }
 
-    /// Granule and offset of byte `i` of the metadata of the set `index`.
-    fn place(index: SetIndex, i: usize) -> (LineAddr, usize) {
+    /// The granule that holds byte `i` of the metadata of the set `index`, and the byte's offset in it.
+    fn location_of(index: SetIndex, i: usize) -> (LineAddr, usize) {
         let byte = index.0 as usize * Self::SET_BYTES + i;
         (LineAddr((byte / GRANULE) as u32), byte % GRANULE)
     }
 
-    /// The granules that hold metadata of the set `index`, one after another; none for a `k` beyond.
-    fn granule(index: SetIndex, k: usize) -> Option<LineAddr> {
-        let (first, last) = (Self::place(index, 0).0, Self::place(index, Self::SET_BYTES - 1).0);
+    /// Granule number `k` of those that hold metadata of the set `index`; none behind the last.
+    fn granule_of(index: SetIndex, k: usize) -> Option<LineAddr> {
+        let (first, _) = Self::location_of(index, 0);
+        let (last, _) = Self::location_of(index, Self::SET_BYTES - 1);
         let granule = LineAddr(first.0 + k as u32);
-        (granule.0 <= last.0).then_some(granule)
+        (granule <= last).then_some(granule)
     }
 
-    fn cached(&self, granule: LineAddr) -> usize {
+    /// Where a granule lies in the on-board memory.
+    fn on_card(granule: LineAddr) -> Range<usize> {
+        let begin = granule.0 as usize * GRANULE;
+        begin..begin + GRANULE
+    }
+
+    /// The set of the metadata cache that a granule belongs to.
+    fn cache_set_of(&self, granule: LineAddr) -> usize {
         Hash::Low.set_of(granule, self.cache.len().ilog2()).0 as usize
     }
 
@@ -129,16 +141,16 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, W: Watch<G
     pub fn entries(&self, index: SetIndex) -> [[u8; ENTRY_BYTES]; WAYS] {
         let mut entries = [[0; ENTRY_BYTES]; WAYS];
         for k in 0..Self::MOST_GRANULES {
-            let Some(granule) = Self::granule(index, k) else { break };
-            let cached = self.cache[self.cached(granule)];
+            let Some(granule) = Self::granule_of(index, k) else { break };
+            let cached = self.cache[self.cache_set_of(granule)];
             let mut bytes = [0; GRANULE];
             match cached.set.way_of(granule) {
                 Some(way) => bytes = cached.contents[usize::from(way.0)],
-                None => bytes.copy_from_slice(&self.card[granule.0 as usize * GRANULE..][..GRANULE]),
+                None => bytes.copy_from_slice(&self.card[Self::on_card(granule)]),
             }
             for (i, byte) in entries.as_flattened_mut().iter_mut().enumerate() {
-                let (there, offset) = Self::place(index, i);
-                if there == granule {
+                let (holder, offset) = Self::location_of(index, i);
+                if holder == granule {
                     *byte = bytes[offset];
                 }
             }
@@ -146,64 +158,65 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, W: Watch<G
         entries
     }
 
-    /// Brings a granule into the cache: the set and the way where it is.
-    fn bring(&mut self, granule: LineAddr) -> (usize, Way) {
-        let cached = self.cached(granule);
-        let before = self.cache[cached];
+    /// Uses a granule: afterwards it lies in the metadata cache, in the set and the way returned.
+    fn use_granule(&mut self, granule: LineAddr) -> (usize, Way) {
+        let set = self.cache_set_of(granule);
+        let before = self.cache[set];
         let (next, outcome, write_back) = before.access(granule, self.granules, || {
             let mut bytes = [0; GRANULE];
-            bytes.copy_from_slice(&self.card[granule.0 as usize * GRANULE..][..GRANULE]);
+            bytes.copy_from_slice(&self.card[Self::on_card(granule)]);
             bytes
         });
-        self.cache[cached] = next;
-        if let Some(WriteBack { line, contents }) = write_back {
-            self.card[line.0 as usize * GRANULE..][..GRANULE].copy_from_slice(&contents);
+        self.cache[set] = next;
+        if let Some(WriteBack { line: evicted, contents }) = write_back {
+            self.card[Self::on_card(evicted)].copy_from_slice(&contents);
         }
-        self.traffic.granule(granule, outcome, write_back);
-        (cached, outcome.way())
+        self.observer.granule_used(granule, outcome, write_back);
+        (set, outcome.way())
     }
 }
 
-impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, W: Watch<GRANULE>> Metadata<WAYS>
-    for CachedMetadata<WAYS, META_WAYS, GRANULE, W>
+impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, O: MetadataObserver<[u8; GRANULE]>>
+    Metadata<WAYS> for CachedMetadata<WAYS, META_WAYS, GRANULE, O>
 {
-    /// Corrupt metadata makes an empty set (VM-14): all that is lost is what the host has too.
+    /// Corrupt metadata makes an empty set (VM-14): the host still has every line that is lost.
     fn load(&mut self, index: SetIndex) -> Set<WAYS> {
         for k in 0..Self::MOST_GRANULES {
-            if let Some(granule) = Self::granule(index, k) {
-                self.bring(granule);
+            if let Some(granule) = Self::granule_of(index, k) {
+                self.use_granule(granule);
             }
         }
         Set::from_entries(self.entries(index), self.lines).unwrap_or_else(|Corrupt| {
-            self.traffic.corrupt();
+            self.observer.corrupt();
             Set::empty(self.lines)
         })
     }
 
-    /// A granule is written, and so becomes dirty, only where it changes.
+    /// A granule is written, and so becomes dirty, only if it changes.
     fn store(&mut self, index: SetIndex, set: &Set<WAYS>) {
         let (old, new) = (self.entries(index), set.to_entries());
-        // Of corrupt metadata all: what a clean granule in the cache holds may not be what is on the
-        // card.
-        let all = Set::from_entries(old, self.lines) == Err(Corrupt);
+        // If the metadata is corrupt, every granule is written: clean bytes in the cache may differ
+        // from those on the card.
+        let corrupt = Set::from_entries(old, self.lines) == Err(Corrupt);
         let (old, new) = (old.as_flattened(), new.as_flattened());
         for k in 0..Self::MOST_GRANULES {
-            let Some(granule) = Self::granule(index, k) else { return };
-            let mut needed = all;
-            let mut changed = [None; GRANULE];
+            let Some(granule) = Self::granule_of(index, k) else { return };
+            let mut changes = corrupt;
+            // The new bytes of the granule; none where it holds metadata of another set.
+            let mut stored = [None; GRANULE];
             for (i, byte) in new.iter().enumerate() {
-                let (there, offset) = Self::place(index, i);
-                if there == granule {
-                    changed[offset] = Some(*byte);
-                    needed |= old[i] != *byte;
+                let (holder, offset) = Self::location_of(index, i);
+                if holder == granule {
+                    stored[offset] = Some(*byte);
+                    changes |= old[i] != *byte;
                 }
             }
-            if needed {
-                let (cached, way) = self.bring(granule);
-                let before = self.cache[cached];
-                let old = before.contents[usize::from(way.0)];
-                let bytes = std::array::from_fn(|i| changed[i].unwrap_or(old[i]));
-                self.cache[cached] = before.write(way, bytes);
+            if changes {
+                let (set, way) = self.use_granule(granule);
+                let before = self.cache[set];
+                let bytes = before.contents[usize::from(way.0)];
+                let bytes = std::array::from_fn(|i| stored[i].unwrap_or(bytes[i]));
+                self.cache[set] = before.write(way, bytes);
             }
         }
     }
