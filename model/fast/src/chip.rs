@@ -26,6 +26,7 @@ use saarcor_model::time::{
 };
 use saarcor_model::vm::{HostAddr, LineAddr, Outcome, Unit};
 use std::collections::VecDeque;
+use std::ops::Range;
 use tags::{MetadataMove, Tags, WhereOnCard, tags};
 use unit::UnitState;
 use wheel::Wheel;
@@ -73,7 +74,7 @@ pub fn simulate_part(
     assert_eq!(in_time.len(), programs.packets.len(), "each packet is in time or not");
     let Caches { config, l1, tags } = caches;
     let mut chip = Chip::new(programs, in_time, &config, observer);
-    chip.l1.iter_mut().zip(l1).for_each(|(empty, l1)| empty.directory = l1);
+    chip.l1.iter_mut().zip(l1).for_each(|(empty, l1)| empty.cache = l1);
     chip.tags = tags;
     chip.run()
 }
@@ -262,8 +263,7 @@ impl<'a, O: ChipObserver> Chip<'a, O> {
     /// Address and size of the parts of a first-level line: one for each line of the virtual memory
     /// that it meets, and one in all without (CH-12).
     fn parts(&self, cache: usize, line: u32) -> impl Iterator<Item = (u32, u32)> + use<O> {
-        let (mut addr, end) = self.l1[cache].bytes_of(line);
-        let end = end.min(1 << 32);
+        let Range { start: mut addr, end } = self.l1[cache].cache.bytes_of(LineAddr(line));
         let vm_line = match self.config.version {
             Version::None => 1 << 32,
             Version::A | Version::B => self.config.cache.geometry.line().0,
@@ -500,15 +500,13 @@ impl<'a, O: ChipObserver> Chip<'a, O> {
         let l1 = &mut self.l1[cache];
         let Thread { line, packet, .. } = self.threads[number as usize];
         let in_flight = l1.register_of(line);
-        if in_flight.is_none() && l1.is_full() {
-            let index = l1.directory.config.set_of(LineAddr(line));
-            if l1.directory.metadata.sets[index.0 as usize].way_of(LineAddr(line)).is_none() {
-                l1.parked.push_back(number);
-                self.wait(number, Stall::Mshr);
-                return;
-            }
+        if in_flight.is_none() && l1.is_full() && !crate::first_level::is_resident(&l1.cache, LineAddr(line))
+        {
+            l1.parked.push_back(number);
+            self.wait(number, Stall::Mshr);
+            return;
         }
-        let outcome = l1.directory.access(LineAddr(line));
+        let outcome = crate::first_level::access(&mut l1.cache, LineAddr(line));
         l1.report.accesses += 1;
         let register = match (in_flight, outcome) {
             (Some(register), _) => {

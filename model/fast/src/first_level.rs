@@ -7,22 +7,18 @@
 use super::directory::{access_set, way_if_youngest, way_of};
 use saarcor_model::vm::{FirstLevel, Hash, HostAddr, LineAddr, Outcome};
 
-/// The first and the last line that a read of `bytes` at `addr` touches: twin of
-/// [`FirstLevel::lines_of`].
+/// The first and the last line that a read of `bytes` at `addr` touches, of lines of `line_bytes` from
+/// `base` on: twin of [`FirstLevel::lines_of`].
 ///
-/// Speaks only of reads that have a byte, begin at `base` or behind it, and end within the address
-/// space.
+/// Without meaning for a read that has no byte, begins below `base`, or goes beyond the end of the
+/// address space: the units make none of these.
 #[inline(always)]
 #[must_use]
-pub fn first_and_last_line<const WAYS: usize>(
-    cache: &FirstLevel<WAYS, ()>,
-    addr: HostAddr,
-    bytes: u32,
-) -> (u32, u32) {
-    let from_base = addr.0.wrapping_sub(cache.base.0);
-    let (first, offset) = (from_base / cache.line_bytes, from_base % cache.line_bytes);
-    let last_offset = offset + (bytes - 1);
-    let further = if last_offset < cache.line_bytes { 0 } else { last_offset / cache.line_bytes };
+pub fn first_and_last_line(base: HostAddr, line_bytes: u32, addr: HostAddr, bytes: u16) -> (u32, u32) {
+    let from_base = addr.0.saturating_sub(base.0);
+    let (first, offset) = (from_base / line_bytes, from_base % line_bytes);
+    let last_offset = offset + u32::from(bytes).saturating_sub(1);
+    let further = if last_offset < line_bytes { 0 } else { last_offset / line_bytes };
     (first, first + further)
 }
 

@@ -2,6 +2,7 @@
 //! of a frame, which mix both as a picture does.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use saarcor_fast::directory::access;
 use saarcor_model::vm::{Bytes, CacheConfig, Directory, Geometry, Hash, LineAddr, Policy};
 use saarcor_studies::monitor::Silent;
 use saarcor_studies::world::{World, WorldOptions};
@@ -28,7 +29,7 @@ fn accesses(c: &mut Criterion) {
             group.bench_function(format!("{kind}/{name}"), |b| {
                 b.iter(|| {
                     for line in 0..lines {
-                        black_box(directory.access(LineAddr(line)));
+                        black_box(access(&mut directory, LineAddr(line)));
                     }
                 });
             });
@@ -54,7 +55,7 @@ fn recorded_frame(c: &mut Criterion) {
         b.iter(|| {
             let mut directory = Directory::<4>::new(cache);
             for &line in &lines {
-                directory.access(line);
+                access(&mut directory, line);
             }
             directory.counters
         });

@@ -8,6 +8,7 @@
 use crate::trace::{ForPackets, TraceOptions};
 use crate::world::World;
 use rayon::prelude::*;
+use saarcor_fast::directory;
 use saarcor_model::rays::{Frame, Pipeline, RayCounts};
 use saarcor_model::vm::{
     Bytes, CacheConfig, Directory, HostAddr, LineAddr, Observed, Observer, Outcome, Unit, WholeScene,
@@ -349,7 +350,7 @@ impl<const WAYS: usize> ObservedCache for History<WAYS> {
             let history = &mut self.lines[line.0 as usize];
             self.counts.working_set += u64::from(history.touched_in != self.frame);
             history.touched_in = self.frame;
-            if let Outcome::Miss { evicted, .. } = self.directory.access(line) {
+            if let Outcome::Miss { evicted, .. } = directory::access(&mut self.directory, line) {
                 self.counts.loaded += 1;
                 // It lay in the cache at some time of this frame if it was evicted in it.
                 self.counts.collisions += u64::from(history.evicted_in == self.frame);

@@ -2,15 +2,16 @@
 
 use super::tags::{Tags, WhereOnCard};
 use super::{Cache, Chip, ChipObserver, Found, Traffic};
+use crate::first_level;
 use crate::sdram::Span;
 use saarcor_model::time::standard::CHIP_CACHE_WAYS;
 use saarcor_model::time::{ChipConfig, ConfigError, Direction, Operation, Programs};
-use saarcor_model::vm::{Directory, HostAddr, LineAddr, Outcome};
+use saarcor_model::vm::{FirstLevel, HostAddr, LineAddr, Outcome};
 
 /// The first-level caches and the virtual memory of a chip on which nothing is in work.
 pub struct Caches {
     pub(super) config: ChipConfig,
-    pub(super) l1: [Directory<CHIP_CACHE_WAYS>; 4],
+    pub(super) l1: [FirstLevel<CHIP_CACHE_WAYS, ()>; 4],
     pub(super) tags: Box<dyn Tags>,
 }
 
@@ -32,7 +33,7 @@ impl Caches {
         for operation in before.into_iter().flat_map(Programs::in_order) {
             chip.read_at_once(operation, None);
         }
-        Ok(Self { config: *config, l1: chip.l1.map(|l1| l1.directory), tags: chip.tags })
+        Ok(Self { config: *config, l1: chip.l1.map(|l1| l1.cache), tags: chip.tags })
     }
 }
 
@@ -45,7 +46,7 @@ impl<O: ChipObserver> Chip<'_, O> {
         let cache = operation.unit as usize;
         let (first, last) = self.l1[cache].lines_of(operation);
         for line in first..=last {
-            let outcome = self.l1[cache].directory.access(LineAddr(line));
+            let outcome = first_level::access(&mut self.l1[cache].cache, LineAddr(line));
             let missed = matches!(outcome, Outcome::Miss { .. });
             if let Some(packet) = packet {
                 let found = if missed { Found::Missing } else { Found::Resident };

@@ -1,17 +1,15 @@
 //! A first-level cache in time: who asks, and which lines are in flight.
 
 use super::{NOBODY, NONE, members, round_robin};
+use crate::first_level::first_and_last_line;
 use saarcor_model::time::standard::CHIP_CACHE_WAYS;
 use saarcor_model::time::{CacheReport, ChipConfig, Operation, Programs};
-use saarcor_model::vm::{Bytes, CacheConfig, Directory, Geometry, Hash, Policy, Unit};
+use saarcor_model::vm::{FirstLevel, HostAddr, Policy, Unit};
 use std::collections::VecDeque;
 
 /// A first-level cache, the threads that ask it (a mask a pipeline), and its lines in flight.
 pub(super) struct FirstLevelState {
-    /// Address of its first line, and bytes a line.
-    base: u32,
-    line: u32,
-    pub(super) directory: Directory<CHIP_CACHE_WAYS>,
+    pub(super) cache: FirstLevel<CHIP_CACHE_WAYS, ()>,
     /// Pipelines with a thread that asks for a look-up, and the one served last.
     asking: u64,
     last: u32,
@@ -39,20 +37,7 @@ const BUCKETS: usize = 256;
 #[must_use]
 #[inline]
 pub fn first_level_lines(operation: &Operation, base: u32, line: u32) -> (u32, u32) {
-    let from_base = operation.addr.0.saturating_sub(base);
-    let (first, offset) = (from_base / line, from_base % line);
-    let last_offset = offset + u32::from(operation.bytes).saturating_sub(1);
-    // A division takes as long as all else here, and few reads leave their line.
-    let further = if last_offset < line { 0 } else { last_offset / line };
-    (first, first + further)
-}
-
-/// The shape of a cache of `sets` sets; it takes line numbers, not addresses.
-fn directory_of(sets: u32) -> CacheConfig {
-    let lines = Bytes(u64::from(sets) * CHIP_CACHE_WAYS as u64);
-    let geometry = Geometry::new(lines, Bytes(1), CHIP_CACHE_WAYS as u32);
-    let geometry = geometry.expect("a power of two of sets: the configuration was checked");
-    CacheConfig { geometry, hash: Hash::Low, policy: Policy::Lru }
+    first_and_last_line(HostAddr(base), line, operation.addr, operation.bytes)
 }
 
 /// A first-level line in flight.
@@ -89,9 +74,12 @@ impl FirstLevelState {
         let (pipelines, threads) = (config.pipelines as usize, config.threads as usize);
         let l1 = config.l1[port as usize];
         Self {
-            base: programs.first_level_base(port),
-            line: l1.line,
-            directory: Directory::new(directory_of(l1.sets)),
+            cache: FirstLevel::<CHIP_CACHE_WAYS, ()>::new(
+                HostAddr(programs.first_level_base(port)),
+                l1.line,
+                l1.sets as usize,
+                Policy::Lru,
+            ),
             asking: 0,
             last: NOBODY,
             threads: vec![0; pipelines],
@@ -108,13 +96,7 @@ impl FirstLevelState {
     /// The first and the last line that an operation reads.
     #[inline]
     pub(super) fn lines_of(&self, operation: &Operation) -> (u32, u32) {
-        first_level_lines(operation, self.base, self.line)
-    }
-
-    /// First address of a line, and the one behind it.
-    pub(super) fn bytes_of(&self, line: u32) -> (u64, u64) {
-        let begin = u64::from(self.base) + u64::from(line) * u64::from(self.line);
-        (begin, begin + u64::from(self.line))
+        first_and_last_line(self.cache.base, self.cache.line_bytes, operation.addr, operation.bytes)
     }
 
     /// A thread asks for a look-up.
