@@ -5,11 +5,11 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use saarcor_kit::KINDS;
-use saarcor_kit::check::check;
+use saarcor_kit::kinds::KINDS;
+use saarcor_kit::scoreboard::check_answers;
 use saarcor_kit::kind::{Kind, Oracle};
 use saarcor_kit::level::Level;
-use saarcor_kit::serve::serve;
+use saarcor_kit::server::serve;
 use saarcor_kit::session::Session;
 
 const ANSWERS: &str = "\nanswers\n";
@@ -30,8 +30,8 @@ fuzz_target!(|input: &[u8]| {
         if kind.check(session).is_err() {
             continue;
         }
-        assert_eq!(check(*kind, session, &of_model(session.text()), Level::HIGHEST).findings, []);
-        for finding in check(*kind, session, answers.as_bytes(), Level::HIGHEST).findings {
+        assert_eq!(check_answers(*kind, session, &of_model(session.text()), Level::HIGHEST).findings, []);
+        for finding in check_answers(*kind, session, answers.as_bytes(), Level::HIGHEST).findings {
             if let Some(request) = finding.request {
                 kind.state_before(session, request);
             }

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use saarcor_kit::kind_named;
+use saarcor_kit::kinds::kind_named;
 use saarcor_kit::target::DutFile;
 
 fuzz_target!(|input: &[u8]| {

@@ -2,13 +2,14 @@
 //! the naive reference in process. One thread; making the sessions counts.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use saarcor_kit::dut::{Dut, Ending, InProcess};
-use saarcor_kit::judge::Judge;
+use saarcor_kit::deadline::Deadline;
+use saarcor_kit::dut::{ConversationEnd, Dut, InProcess};
+use saarcor_kit::error::Error;
 use saarcor_kit::kind::{Kind as _, Oracle};
 use saarcor_kit::level::Level;
-use saarcor_kit::serve::serve;
+use saarcor_kit::scoreboard::Scoreboard;
+use saarcor_kit::server::serve;
 use saarcor_kit::session::Session;
-use saarcor_kit::stop::Stop;
 use saarcor_kit::vm::Vm;
 
 const REQUESTS: usize = 50_000;
@@ -19,11 +20,16 @@ const SEED: u64 = 3;
 struct Canned(Vec<u8>);
 
 impl Dut for Canned {
-    fn converse(&self, session: &Session, judge: &mut Judge<'_>, _: &Stop) -> anyhow::Result<Ending> {
+    fn converse(
+        &self,
+        session: &Session,
+        scoreboard: &mut Scoreboard<'_>,
+        _: &Deadline,
+    ) -> Result<ConversationEnd, Error> {
         for answer in self.0.split(|&byte| byte == b'\n').filter(|answer| !answer.is_empty()) {
-            judge.answer(answer, session.text().len());
+            scoreboard.answer(answer, session.text().len());
         }
-        Ok(Ending::default())
+        Ok(ConversationEnd::default())
     }
 }
 
@@ -42,9 +48,9 @@ fn runner(c: &mut Criterion) {
         group.bench_function(*name, |b| {
             b.iter(|| {
                 let session = Vm.random(SEED, REQUESTS);
-                let mut judge = Judge::new(&Vm, &session, Level::HIGHEST);
-                dut.converse(&session, &mut judge, &Stop::never()).expect("it runs");
-                assert!(judge.is_done() && judge.findings().is_empty());
+                let mut scoreboard = Scoreboard::new(&Vm, &session, Level::HIGHEST);
+                dut.converse(&session, &mut scoreboard, &Deadline::never()).expect("it runs");
+                assert!(scoreboard.is_done() && scoreboard.findings().is_empty());
             });
         });
     }

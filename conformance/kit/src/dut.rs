@@ -1,22 +1,23 @@
 //! An implementation under test, in whatever form.
 
-use crate::judge::Judge;
+use crate::deadline::Deadline;
+use crate::error::Error;
 use crate::kind::{Kind, Oracle};
-use crate::serve::{MakeServed, Server};
+use crate::scoreboard::Scoreboard;
+use crate::server::{MakeImplementation, Server};
 use crate::session::Session;
-use crate::stop::Stop;
 use std::time::Duration;
 
-/// How a conversation ended, beside what the judge knows.
+/// How a conversation ended, beside what the scoreboard knows.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Ending {
-    /// Its time was over.
+pub struct ConversationEnd {
+    /// How its time ran out.
     pub timeout: Option<Timeout>,
     /// The end of what the implementation wrote to standard error.
     pub stderr: String,
 }
 
-/// How the time of a conversation came to its end.
+/// How the time of a conversation ran out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Timeout {
     /// At the time limit, without an answer for half of it: it hangs.
@@ -29,11 +30,16 @@ pub enum Timeout {
 
 /// An implementation under test: the "device".
 pub trait Dut: Sync {
-    /// Holds the conversation of a session, and hands each answer to the judge, until `stop` comes.
+    /// Holds the conversation of a session, and hands each answer to the scoreboard, until the deadline.
     ///
     /// # Errors
     /// Why the implementation cannot be started.
-    fn converse(&self, session: &Session, judge: &mut Judge<'_>, stop: &Stop) -> anyhow::Result<Ending>;
+    fn converse(
+        &self,
+        session: &Session,
+        scoreboard: &mut Scoreboard<'_>,
+        deadline: &Deadline,
+    ) -> Result<ConversationEnd, Error>;
 
     /// Time that a session may take; none where nothing can hang.
     fn time_limit(&self) -> Option<Duration> {
@@ -43,13 +49,13 @@ pub trait Dut: Sync {
 
 /// An implementation in this process.
 pub struct InProcess {
-    make: Box<MakeServed>,
+    make: Box<MakeImplementation>,
 }
 
 impl InProcess {
     /// The implementation that `make` makes.
     #[must_use]
-    pub fn new(make: Box<MakeServed>) -> Self {
+    pub fn new(make: Box<MakeImplementation>) -> Self {
         Self { make }
     }
 
@@ -61,19 +67,24 @@ impl InProcess {
 }
 
 impl Dut for InProcess {
-    fn converse(&self, session: &Session, judge: &mut Judge<'_>, _: &Stop) -> anyhow::Result<Ending> {
+    fn converse(
+        &self,
+        session: &Session,
+        scoreboard: &mut Scoreboard<'_>,
+        _: &Deadline,
+    ) -> Result<ConversationEnd, Error> {
         let mut server = Server::new(&*self.make);
         let mut answer = Vec::new();
         let mut at = 0;
         while let Some((line, next)) = session.request_at(at) {
             answer.clear();
             server.answer(line, &mut answer);
-            judge.answer(answer.trim_ascii_end(), next);
-            if judge.is_done() {
+            scoreboard.answer(answer.trim_ascii_end(), next);
+            if scoreboard.is_done() {
                 break;
             }
             at = next;
         }
-        Ok(Ending::default())
+        Ok(ConversationEnd::default())
     }
 }

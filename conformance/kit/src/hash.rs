@@ -1,15 +1,20 @@
 //! `saarcor-hash`: the set of a line, alone.
 
+use crate::comparison::{Comparison, Difference, Expected};
+use crate::coverage::{Coverage, CoverageCount};
+use crate::error::Error;
 use crate::hex;
-use crate::kind::{Comparison, Coverage, Covered, Difference, Kind, Oracle};
+use crate::implementation::Implementation;
+use crate::kind::{Kind, Oracle};
 use crate::level::Level;
-use crate::serve::{Served, Unsupported};
 use crate::session::Session;
 use crate::suites;
-use crate::vm::config::{HASHES, name_of, named};
+use crate::vm::config::HASHES;
+use crate::words::{Values, name_of};
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, LineAddr, Policy};
 use saarcor_oracles::cache::NaiveCache;
 use saarcor_random::Random;
+use std::borrow::Cow;
 
 /// The kind `saarcor-hash`.
 #[derive(Clone, Copy, Debug)]
@@ -21,42 +26,50 @@ const MAX_SET_BITS: u32 = 32;
 /// What is observed.
 const OBSERVES: &str = "set";
 
-/// The sets and the hash of a configuration `sets=16384 hash=add-upper`.
-fn parse(config: &str) -> Result<(u32, Hash), String> {
-    let (mut sets, mut hash) = (None, None);
-    for word in config.split_ascii_whitespace() {
-        match word.split_once('=') {
-            Some(("sets", value)) => sets = value.parse().ok(),
-            Some(("hash", value)) => {
-                hash = Some(named(HASHES, value).map_err(|right| format!("{word}: {right}"))?)
-            }
-            _ => return Err(format!("'{word}': the keys are sets, hash")),
-        }
-    }
-    let sets: u64 = sets.ok_or("sets is missing, or no decimal number")?;
+/// The keys of a configuration.
+const KEYS: [&str; 2] = ["sets", "hash"];
+
+/// The base 2 logarithm of the sets, and the hash, of a configuration `sets=16384 hash=add-upper`.
+fn parse(config: &str) -> Result<(u32, Hash), Error> {
+    let values = Values::parse(config, &KEYS)?;
+    let sets: u64 = values.number("sets")?;
     if !sets.is_power_of_two() || sets > 1 << MAX_SET_BITS {
-        return Err(format!("sets={sets}: it must be a power of two up to {}", 1_u64 << MAX_SET_BITS));
+        return Err(format!("sets={sets}: it must be a power of two up to {}", 1_u64 << MAX_SET_BITS).into());
     }
-    Ok((sets.ilog2(), hash.ok_or("hash is missing")?))
+    Ok((sets.ilog2(), values.named("hash", HASHES)?))
 }
 
-fn line_of(request: &[u8]) -> Result<LineAddr, &'static str> {
+fn line_of(request: &[u8]) -> Result<LineAddr, Error> {
     let number = request.strip_prefix(b"s ").and_then(hex::number).and_then(|line| u32::try_from(line).ok());
-    number.map(LineAddr).ok_or("write 's LINE' in hex")
+    Ok(LineAddr(number.ok_or("write 's LINE' in hex")?))
 }
 
 /// The model or the naive reference.
-enum SetOf {
+enum SetOracle {
     Model { hash: Hash, set_bits: u32 },
     Naive(Box<NaiveCache>),
 }
 
-impl Served for SetOf {
+impl SetOracle {
+    fn new(oracle: Oracle, config: &str) -> Result<Self, Error> {
+        let (set_bits, hash) = parse(config)?;
+        Ok(match oracle {
+            Oracle::Model => Self::Model { hash, set_bits },
+            Oracle::Naive => {
+                let geometry = Geometry::new(Bytes(1 << set_bits), Bytes(1), 1);
+                let geometry = geometry.map_err(|error| error.to_string())?;
+                Self::Naive(Box::new(NaiveCache::new(CacheConfig { geometry, hash, policy: Policy::Lru })))
+            }
+        })
+    }
+}
+
+impl Implementation for SetOracle {
     fn observes(&self) -> String {
         OBSERVES.to_owned()
     }
 
-    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), &'static str> {
+    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), Error> {
         let line = line_of(request)?;
         let set = match self {
             Self::Model { hash, set_bits } => u64::from(hash.set_of(line, *set_bits).0),
@@ -68,10 +81,6 @@ impl Served for SetOf {
 }
 
 impl Kind for SetHash {
-    fn name(&self) -> &'static str {
-        "saarcor-hash"
-    }
-
     fn hello(&self) -> &'static str {
         "saarcor-hash 1"
     }
@@ -84,13 +93,18 @@ impl Kind for SetHash {
         suites::HASH
     }
 
-    /// Any lines, and lines around the powers of two and the multiples of the set count.
-    fn random(&self, seed: u64, requests: usize) -> Session {
-        let mut random = Random::new(seed);
+    fn random_config(&self, seed: u64) -> Cow<'static, str> {
         let set_bits = [4, 0, 14, 1, 9, 20, 32, 7][(seed / HASHES.len() as u64 % 8) as usize];
         let (name, _) = HASHES[(seed % HASHES.len() as u64) as usize];
+        format!("sets={} hash={name}", 1_u64 << set_bits).into()
+    }
+
+    /// Any lines, and lines around the powers of two and the multiples of the set count.
+    fn random_requests(&self, config: &str, seed: u64, count: usize) -> Vec<u8> {
+        let (set_bits, _) = parse(config).expect("a configuration of the kit");
+        let mut random = Random::new(seed);
         let mut text = Vec::new();
-        for _ in 0..requests {
+        for _ in 0..count {
             let near = match random.below(3) {
                 0 => random.bits() as u32,
                 1 => (1_u32 << random.below(32)).wrapping_sub(1).wrapping_add(random.below(3) as u32),
@@ -102,45 +116,32 @@ impl Kind for SetHash {
             hex::push_number(&mut text, u64::from(near));
             text.push(b'\n');
         }
-        let config = format!("sets={} hash={name}", 1_u64 << set_bits);
-        Session::new(&format!("{}/random/{seed}", self.prefix()), self.hello(), &config, &text)
+        text
     }
 
-    fn check(&self, session: &Session) -> Result<(), String> {
-        parse(session.config()).map_err(|wrong| format!("config: {wrong}"))?;
-        for (request, number) in session.requests().zip(1..) {
-            let shown = String::from_utf8_lossy(request);
-            line_of(request).map_err(|right| format!("request {number}, '{shown}': {right}"))?;
-        }
-        Ok(())
+    fn check(&self, session: &Session) -> Result<(), Error> {
+        parse(session.config()).map_err(Error::in_config)?;
+        session.check_requests(|request| line_of(request).map(|_| ()))
     }
 
-    fn oracle(&self, oracle: Oracle, config: &str) -> Result<Box<dyn Served>, Unsupported> {
-        let (set_bits, hash) = parse(config).map_err(Unsupported)?;
-        Ok(Box::new(match oracle {
-            Oracle::Model => SetOf::Model { hash, set_bits },
-            Oracle::Naive => {
-                let geometry = Geometry::new(Bytes(1 << set_bits), Bytes(1), 1);
-                let geometry = geometry.map_err(|error| Unsupported(error.to_string()))?;
-                SetOf::Naive(Box::new(NaiveCache::new(CacheConfig { geometry, hash, policy: Policy::Lru })))
-            }
-        }))
+    fn oracle(&self, oracle: Oracle, config: &str) -> Result<Box<dyn Implementation>, Error> {
+        Ok(Box::new(SetOracle::new(oracle, config)?))
     }
 
     fn keys(&self) -> Vec<&'static str> {
-        vec!["sets", "hash"]
+        KEYS.to_vec()
     }
 
     fn comparison<'a>(
         &self,
         session: &'a Session,
         observes: &str,
-    ) -> Result<Box<dyn Comparison + 'a>, String> {
+    ) -> Result<Box<dyn Comparison + 'a>, Error> {
         if observes != OBSERVES {
-            return Err(format!("'ok observes={OBSERVES}' is right"));
+            return Err(format!("'ok observes={OBSERVES}' is right").into());
         }
-        let model = self.oracle(Oracle::Model, session.config()).map_err(|wrong| wrong.0)?;
-        Ok(Box::new(SetComparison { model, expected: Vec::new() }))
+        let model = SetOracle::new(Oracle::Model, session.config())?;
+        Ok(Box::new(SetComparison { expected: Expected::new(model) }))
     }
 
     /// Fewer sets, and the hash that adds less.
@@ -160,10 +161,6 @@ impl Kind for SetHash {
         bits.map(|bit| format!("s {:x}", line & !(1 << bit))).collect()
     }
 
-    fn state_before(&self, _session: &Session, _request: usize) -> Vec<String> {
-        Vec::new()
-    }
-
     fn coverage(&self) -> Box<dyn Coverage> {
         Box::new(BitsOfLines::default())
     }
@@ -171,8 +168,7 @@ impl Kind for SetHash {
 
 /// Compares sets.
 struct SetComparison {
-    model: Box<dyn Served>,
-    expected: Vec<u8>,
+    expected: Expected<SetOracle>,
 }
 
 impl Comparison for SetComparison {
@@ -185,11 +181,12 @@ impl Comparison for SetComparison {
         request: &[u8],
         answer: &[u8],
         found: &mut dyn FnMut(Difference),
-    ) -> Result<(), String> {
-        self.expected.clear();
-        self.model.answer(request, &mut self.expected)?;
+    ) -> Result<(), Error> {
+        if self.expected.equals(request, answer)? {
+            return Ok(());
+        }
         let got = hex::number(answer).ok_or("the number of a set in hex is right")?;
-        let right = hex::number(&self.expected).ok_or("the number of a set in hex is right")?;
+        let right = hex::number(self.expected.answer()).ok_or("the number of a set in hex is right")?;
         if got != right {
             let says = format!("set {got:x}; {right:x} is right");
             found(Difference { level: Level::State, says, requirement: "VM-3" });
@@ -198,7 +195,7 @@ impl Comparison for SetComparison {
     }
 
     fn expected(&self) -> &[u8] {
-        &self.expected
+        self.expected.answer()
     }
 }
 
@@ -214,8 +211,8 @@ impl Coverage for BitsOfLines {
         self.0[place] |= lines.fold(0, |bits, LineAddr(line)| bits | line);
     }
 
-    fn rows(&self) -> Vec<Covered> {
-        let rows = HASHES.iter().zip(self.0).map(|((name, _), bits)| Covered {
+    fn counts(&self) -> Vec<CoverageCount> {
+        let rows = HASHES.iter().zip(self.0).map(|((name, _), bits)| CoverageCount {
             what: format!("bits of a line with hash {name}"),
             reached: bits.count_ones() as usize,
             all: 32,
@@ -230,8 +227,8 @@ mod tests {
 
     #[test]
     fn configurations_are_read() {
-        assert_eq!(parse("sets=16 hash=low"), Ok((4, Hash::Low)));
-        assert_eq!(parse("hash=add-upper-all sets=4294967296"), Ok((32, Hash::AddUpperAll)));
+        assert_eq!(parse("sets=16 hash=low").ok(), Some((4, Hash::Low)));
+        assert_eq!(parse("hash=add-upper-all sets=4294967296").ok(), Some((32, Hash::AddUpperAll)));
         for (config, says) in [
             ("sets=3 hash=low", "power of two"),
             ("sets=8589934592 hash=low", "4294967296"),
@@ -240,7 +237,7 @@ mod tests {
             ("sets=16", "hash is missing"),
             ("ways=4", "sets, hash"),
         ] {
-            assert!(parse(config).is_err_and(|error| error.contains(says)), "{config}");
+            assert!(parse(config).is_err_and(|error| error.to_string().contains(says)), "{config}");
         }
     }
 
@@ -248,7 +245,8 @@ mod tests {
     fn random_sessions_are_legal() {
         for seed in 0..24 {
             let session = SetHash.random(seed, 100);
-            assert_eq!((SetHash.check(&session), session.requests().count()), (Ok(()), 100));
+            SetHash.check(&session).expect("legal");
+            assert_eq!(session.requests().count(), 100);
         }
     }
 

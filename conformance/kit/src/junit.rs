@@ -3,25 +3,25 @@
 //! It is valid by both schemas that CI systems' readers follow: `junit-10.xsd` of Jenkins' xUnit plugin,
 //! and `JUnit.xsd` of Ant's tasks (Windy Road), which asks for more in each suite and for less at the root.
 
-use crate::report::{Report, Verdict};
-use anyhow::Context as _;
+use crate::error::Error;
+use crate::report::{ConformanceReport, ConformanceVerdict};
 use chrono::{DateTime, Utc};
 use quick_junit::{NonSuccessKind, Property, Report as JunitReport, TestCase, TestCaseStatus, TestSuite};
 use std::time::{Duration, SystemTime};
 
-/// The row of the sessions that are timed, by [`Report::random_seconds`].
+/// The row of the sessions that are timed, by [`ConformanceReport::random_seconds`].
 const TIMED: &str = "random";
 /// The suite of a run that cannot be judged.
 const WHOLE: &str = "verdict";
 
-impl Report {
+impl ConformanceReport {
     /// The report as JUnit XML, of a run at that time: a suite for each requirement, with a case for its
-    /// sessions together, and one for each failure; where the verdict is that it cannot be told, a suite
-    /// with an error. Only the random sessions are timed.
+    /// sessions together, and one for each failure; where the verdict is incomplete, a suite with
+    /// an error. Only the random sessions are timed.
     ///
     /// # Errors
     /// Never, but for a failure of the library that writes it.
-    pub fn junit(&self, at: SystemTime) -> anyhow::Result<String> {
+    pub fn junit(&self, at: SystemTime) -> Result<String, Error> {
         let mut suites: Vec<TestSuite> = Vec::new();
         for row in &self.requirements {
             let seconds = if row.requirement == TIMED { self.random_seconds } else { 0.0 };
@@ -46,10 +46,10 @@ impl Report {
             }
             suites.push(self.suite(&row.requirement, cases, seconds));
         }
-        if self.verdict == Verdict::Incomplete {
+        if self.verdict == ConformanceVerdict::Incomplete {
             let mut status = TestCaseStatus::non_success(NonSuccessKind::Error);
             let why = self.stopped.as_deref().unwrap_or("no level above the protocol could be judged");
-            status.set_type(Verdict::Incomplete.text()).set_message(why);
+            status.set_type(ConformanceVerdict::Incomplete.text()).set_message(why);
             suites.push(self.suite(WHOLE, vec![TestCase::new(WHOLE, status)], 0.0));
         }
         let at = DateTime::<Utc>::from(at).format("%Y-%m-%dT%H:%M:%S").to_string();
@@ -67,8 +67,8 @@ impl Report {
         }
         let text = junit.to_string()?;
         // The schemas agree in nothing that the root may have.
-        let begin = text.find("<testsuites").context("a root element")?;
-        let end = begin + text[begin..].find('>').context("the end of its tag")?;
+        let begin = text.find("<testsuites").ok_or("XML without a root element")?;
+        let end = begin + text[begin..].find('>').ok_or("XML without the end of its root's tag")?;
         let close = if text[..end].ends_with('/') { "/" } else { "" };
         // This attribute is in neither.
         let suites = text[end..].replace(" disabled=\"0\"", "");

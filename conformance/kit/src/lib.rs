@@ -1,69 +1,97 @@
 //! The conformance kit: is an implementation of the SaarCOR virtual memory right, and if not, where?
 //!
 //! An implementation is a filter from requests to answers, lines of text as `PROTOCOL.md` has them.
-//! The kit holds [`session::Session`]s with it, compares each answer with the model's, names the
-//! highest [`level::Level`] at which all agree, and shrinks what fails to the shortest requests that
-//! still do.
+//! The kit holds conversations with it, one for each [`session::Session`], compares each answer with the
+//! model's, names the highest [`level::Level`] at which all agree, and shrinks what fails to the shortest
+//! requests that still do.
+//!
+//! Judge an implementation in process, here a hash that forgets the upper bits of a line:
+//!
+//! ```
+//! use saarcor_kit::dut::InProcess;
+//! use saarcor_kit::error::Error;
+//! use saarcor_kit::hash::SetHash;
+//! use saarcor_kit::implementation::Implementation;
+//! use saarcor_kit::plan::{Options, default_suite};
+//! use saarcor_kit::run::run;
+//!
+//! struct LowerBits;
+//!
+//! impl Implementation for LowerBits {
+//!     fn observes(&self) -> String {
+//!         "set".to_owned()
+//!     }
+//!
+//!     fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), Error> {
+//!         let line = request.strip_prefix(b"s ").and_then(saarcor_kit::hex::number);
+//!         saarcor_kit::hex::push_number(answer, line.ok_or("write 's LINE' in hex")? % 16);
+//!         Ok(())
+//!     }
+//! }
+//!
+//! let dut = InProcess::new(Box::new(|_, config| match config {
+//!     "sets=16 hash=add-upper" => Ok(Box::new(LowerBits)),
+//!     _ => Err(Error::Unsupported("sets".to_owned())),
+//! }));
+//! let options = Options { requests: 1000, ..Options::default() };
+//! let planned = default_suite(&SetHash, &options)?;
+//! let report = run("lower bits", &dut, &SetHash, &planned, &options, &|_| ())?;
+//! assert_eq!(report.verdict.text(), "does not conform");
+//! assert_eq!(report.failures[0].requirement, "VM-3");
+//! # Ok::<(), Error>(())
+//! ```
 //!
 //! | module | subject |
 //! |---|---|
 //! | [`level`] | levels of agreement |
-//! | [`session`] | one conversation as text |
-//! | [`suites`] | the directed sessions |
-//! | [`kind`] | what is particular to a kind of implementation |
+//! | [`session`], [`suites`] | one conversation as text; the directed sessions |
+//! | [`kind`], [`kinds`] | what is particular to a kind of implementation; all of them |
 //! | [`vm`] | `saarcor-vm`: the virtual memory |
-//! | [`kd`] | `saarcor-kd`: traversal and intersection |
 //! | [`hash`] | `saarcor-hash`: the set of a line |
 //! | [`meta`] | `saarcor-meta`: the tags of version B |
+//! | [`kd`] | `saarcor-kd`: traversal and intersection |
 //! | [`chip`] | `saarcor-chip`: the chip in time |
-//! | [`hex`] | numbers as text |
-//! | [`serve`] | an implementation in Rust, and the protocol around it |
-//! | [`judge`] | the judge of one conversation |
-//! | [`check`] | answers from a file |
-//! | [`library`] | an implementation as a shared library |
-//! | [`dut`], [`child`] | an implementation under test: in process, or a child process |
-//! | [`stop`] | when conversations are given up |
+//! | [`hex`] | numbers and bytes as text |
+//! | [`implementation`], [`server`] | an implementation in Rust; the protocol around it |
+//! | [`dut`], [`process`], [`shared_library`] | an implementation under test: in process, as a child process, as a library |
 //! | [`target`] | `dut.toml` and command lines |
-//! | [`run`] | all sessions, and the report |
+//! | [`scoreboard`], [`comparison`] | compares answers with the model's, and keeps what differs |
+//! | [`plan`], [`run`], [`deadline`] | which sessions are run; all of them, and the report; when they are stopped |
 //! | [`shrink`] | delta debugging |
+//! | [`coverage`] | what sessions exercise |
 //! | [`report`] | what was found; its form for CI systems is in `junit` |
 //! | [`templates`] | implementations to copy, and faults to plant into them |
+//! | [`error`] | what is wrong with input, where, and what would be right |
 
-pub mod check;
-#[cfg(unix)]
-pub mod child;
 pub mod chip;
+pub mod comparison;
+pub mod coverage;
+pub mod deadline;
 pub mod dut;
-mod gather;
+pub mod error;
+mod execution;
 pub mod hash;
 pub mod hex;
-pub mod judge;
+pub mod implementation;
 mod junit;
 pub mod kd;
 pub mod kind;
+pub mod kinds;
 pub mod level;
-#[cfg(unix)]
-pub mod library;
 pub mod meta;
+pub mod plan;
+#[cfg(unix)]
+pub mod process;
 pub mod report;
 pub mod run;
-pub mod serve;
+pub mod scoreboard;
+pub mod server;
 pub mod session;
+#[cfg(unix)]
+pub mod shared_library;
 pub mod shrink;
-pub mod stop;
 pub mod suites;
 pub mod target;
 pub mod templates;
 pub mod vm;
-
-/// All kinds, in the order in which an implementation is asked for them.
-pub const KINDS: &[&dyn kind::Kind] = &[&vm::Vm, &hash::SetHash, &meta::Meta, &kd::Kd, &chip::Chip];
-
-/// The kind of that name.
-#[must_use]
-pub fn kind_named(name: &str) -> Option<&'static dyn kind::Kind> {
-    KINDS.iter().copied().find(|kind| kind.name() == name)
-}
-
-/// Most bytes of a line (Assumed), so that answers have a longest.
-pub const MAX_LINE_BYTES: usize = 1 << 16;
+mod words;

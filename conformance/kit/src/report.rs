@@ -1,15 +1,15 @@
-//! What was found.
+//! The report: what a run has found.
 
-use crate::kind::Covered;
+use crate::coverage::CoverageCount;
 use crate::level::Level;
 use serde::Serialize;
 
 /// Version of the report's form in JSON: raised where a field changes its meaning or goes.
 pub const SCHEMA_VERSION: u32 = 1;
 
-/// The whole of a run.
+/// The report on one implementation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Report {
+pub struct ConformanceReport {
     /// [`SCHEMA_VERSION`].
     pub schema_version: u32,
     /// The implementation, as it was named.
@@ -17,7 +17,7 @@ pub struct Report {
     /// Its kind.
     pub kind: String,
     /// What it comes to.
-    pub verdict: Verdict,
+    pub verdict: ConformanceVerdict,
     /// The highest level that was passed, with all below it.
     pub highest: Option<Level>,
     /// The level that was asked for; none: all that is observed.
@@ -25,16 +25,16 @@ pub struct Report {
     /// By how many thousandths a timing may be off, as the implementation's maker states.
     pub tolerance: u32,
     /// Each level.
-    pub levels: Vec<LevelVerdict>,
+    pub levels: Vec<LevelResult>,
     /// Each requirement that sessions are about, in the order of the suites; the random ones last.
-    pub requirements: Vec<RequirementVerdict>,
+    pub requirements: Vec<RequirementResult>,
     /// What fails: for each requirement and level one session, shrunk.
     pub failures: Vec<Failure>,
     /// Configurations that the implementation does not support, by the key that it names.
-    pub unsupported: Vec<Unsupported>,
+    pub unsupported: Vec<UnsupportedKey>,
     /// What the sessions exercise of the model.
-    pub coverage: Vec<Covered>,
-    /// Sessions that were held.
+    pub coverage: Vec<CoverageCount>,
+    /// Sessions that were run.
     pub sessions: usize,
     /// Sessions that fail.
     pub errors: usize,
@@ -51,16 +51,16 @@ pub struct Report {
 /// What a run comes to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Verdict {
+pub enum ConformanceVerdict {
     /// It conforms at the level that was asked for.
     Conforms,
     /// It does not.
     DoesNotConform,
-    /// That cannot be told.
+    /// Neither can be decided.
     Incomplete,
 }
 
-impl Verdict {
+impl ConformanceVerdict {
     /// The verdict in words.
     #[must_use]
     pub fn text(self) -> &'static str {
@@ -74,17 +74,17 @@ impl Verdict {
 
 /// What was found at a level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct LevelVerdict {
+pub struct LevelResult {
     /// The level.
     pub level: Level,
     /// The verdict.
-    pub verdict: AtLevel,
+    pub verdict: LevelVerdict,
 }
 
 /// Verdict at a level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum AtLevel {
+pub enum LevelVerdict {
     /// All sessions agree.
     Passed,
     /// Some do not, at this level or below.
@@ -95,7 +95,7 @@ pub enum AtLevel {
     NotAsked,
 }
 
-impl AtLevel {
+impl LevelVerdict {
     /// The verdict in words.
     #[must_use]
     pub fn text(self) -> &'static str {
@@ -110,10 +110,10 @@ impl AtLevel {
 
 /// What was found of a requirement.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct RequirementVerdict {
+pub struct RequirementResult {
     /// The requirement; `random` for the sessions that are about all.
     pub requirement: String,
-    /// Sessions that are about it and were held.
+    /// Sessions that are about it and were run.
     pub sessions: usize,
     /// Of these, those that fail.
     pub failed: usize,
@@ -128,7 +128,7 @@ pub struct Failure {
     pub level: Level,
     /// The session that was shrunk.
     pub session: String,
-    /// The row of [`Report::requirements`] that counts the session.
+    /// The row of [`ConformanceReport::requirements`] that counts the session.
     pub row: String,
     /// Its idea.
     pub idea: String,
@@ -159,9 +159,9 @@ pub struct Failure {
     pub replay: Option<String>,
 }
 
-/// A session that was not held to its end, as its configuration is not supported.
+/// Sessions that were not run to their end, as a key of their configuration is not supported.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Unsupported {
+pub struct UnsupportedKey {
     /// The key.
     pub key: String,
     /// Sessions.

@@ -1,160 +1,38 @@
-//! All sessions with one implementation, and the report.
+//! A whole run: all sessions with one implementation, and the report.
 
+use crate::coverage::CoverageCount;
+use crate::deadline::Deadline;
 use crate::dut::{Dut, Timeout};
-use crate::gather::{Gathered, Held, gather};
-use crate::judge::{Finding, Judge};
+use crate::error::Error;
+use crate::execution::{Execution, SessionResult, execute};
 use crate::kind::Kind;
+use crate::kinds::{KINDS, kind_of_hello};
 use crate::level::Level;
+use crate::plan::{Options, PlannedSession, default_suite};
 use crate::report::{
-    AtLevel, Failure, LevelVerdict, Report, RequirementVerdict, SCHEMA_VERSION, Unsupported, Verdict,
-    shown_lines,
+    ConformanceReport, ConformanceVerdict, Failure, LevelResult, LevelVerdict, RequirementResult,
+    SCHEMA_VERSION, UnsupportedKey, shown_lines,
 };
+use crate::scoreboard::{Finding, Scoreboard};
 use crate::session::Session;
-use crate::shrink::{Shrunk, shrink};
-use crate::stop::Stop;
-use anyhow::{Context, Result, bail};
+use crate::shrink::{ShrinkResult, shrink};
 use rayon::prelude::*;
-
-/// Requests of the random part where nothing is said.
-pub const RANDOM_REQUESTS: usize = 2_000_000;
-/// Sessions that fail before a run is stopped, where nothing is said.
-pub const ERRORS: usize = 20;
-/// Least random sessions: each configuration has its turn.
-const RANDOM_SESSIONS: usize = 24;
-/// Most requests of a random session: so many that starting it takes little of its time, and that a
-/// count of 16 bits runs over; and so few that many fit into memory.
-const SESSION_REQUESTS: usize = 100_000;
-/// Failures that are shrunk: of each requirement and level the first, and no more than these.
-const SHOWN_FAILURES: usize = 8;
-
-/// What is run.
-#[derive(Clone, Debug)]
-pub struct Options {
-    /// The highest level that is judged, and that has to be passed; none: all that is observed.
-    pub level: Option<Level>,
-    /// Sessions that fail before the run is stopped.
-    pub errors: usize,
-    /// First seed of the random sessions.
-    pub seed: u64,
-    /// Requests of all random sessions together.
-    pub requests: usize,
-    /// By how many thousandths a timing may be off.
-    pub tolerance: u32,
-}
-
-impl Options {
-    /// The highest level that is judged.
-    pub(crate) fn highest(&self) -> Level {
-        self.level.unwrap_or(Level::HIGHEST)
-    }
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self { level: None, errors: ERRORS, seed: 0, requests: RANDOM_REQUESTS, tolerance: 0 }
-    }
-}
-
-/// A session to be held.
-#[derive(Clone, Debug)]
-pub enum Planned {
-    /// This one.
-    Directed(Box<Session>),
-    /// The random one of a seed.
-    Random {
-        /// The seed.
-        seed: u64,
-        /// Its requests.
-        requests: usize,
-    },
-}
-
-/// The part of the requests of the random sessions that a recorded frame has at most: a frame takes
-/// no more of the time than a few random sessions.
-const FRAME_PART: usize = 20;
-
-/// The default suite of a kind: the directed sessions, recorded frames, and random ones.
-///
-/// # Errors
-/// Where a suite of the kit is no session: a fault of the kit.
-pub fn default_suite(kind: &dyn Kind, options: &Options) -> Result<Vec<Planned>> {
-    let mut planned = Vec::new();
-    for (name, text) in kind.suites() {
-        let sessions = Session::parse(name, text).with_context(|| format!("suite {name}"))?;
-        planned.extend(sessions.into_iter().map(|session| Planned::Directed(Box::new(session))));
-    }
-    let recorded = kind.recorded(options.requests.div_ceil(FRAME_PART));
-    planned.extend(recorded.into_iter().map(|session| Planned::Directed(Box::new(session))));
-    planned.extend(random_sessions(options.seed, options.requests));
-    Ok(planned)
-}
-
-/// Random sessions from a seed on, of so many requests together.
-pub fn random_sessions(seed: u64, requests: usize) -> impl Iterator<Item = Planned> {
-    let sessions = if requests == 0 { 0 } else { requests.div_ceil(SESSION_REQUESTS).max(RANDOM_SESSIONS) };
-    (0..sessions as u64).map(move |number| Planned::Random {
-        seed: seed.wrapping_add(number),
-        requests: requests.div_ceil(sessions),
-    })
-}
-
-/// Sessions that a name stands for: a suite of the kit or one of its sessions, a random session
-/// (`vm/random/17`), or the path of a suite file.
-///
-/// # Errors
-/// Where there is no such suite or file, or it is no session.
-pub fn sessions_named(name: &str, requests: usize) -> Result<(&'static dyn Kind, Vec<Session>)> {
-    for kind in crate::KINDS {
-        if let Some(rest) = name.strip_prefix(&format!("{}/", kind.prefix())) {
-            if let Some(seed) = rest.strip_prefix("random/").and_then(|seed| seed.parse().ok()) {
-                return Ok((*kind, vec![kind.random(seed, requests)]));
-            }
-            for (suite, text) in kind.suites() {
-                let sessions = Session::parse(suite, text).with_context(|| format!("suite {suite}"))?;
-                if *suite == name {
-                    return Ok((*kind, sessions));
-                }
-                if let Some(session) = sessions.into_iter().find(|session| session.name == name) {
-                    return Ok((*kind, vec![session]));
-                }
-            }
-            if let Some(session) = kind.recorded(usize::MAX).into_iter().find(|session| session.name == name)
-            {
-                return Ok((*kind, vec![session]));
-            }
-        }
-    }
-    let text = std::fs::read(name).with_context(|| {
-        format!("{name}: neither a suite ('saarcor conform list' shows all) nor a file that can be read")
-    })?;
-    let text = String::from_utf8(text).ok().with_context(|| format!("{name}: no text"))?;
-    let sessions = Session::parse(name, &text).with_context(|| name.to_owned())?;
-    let hello = sessions.first().map_or("", Session::hello);
-    let Some(kind) = crate::KINDS.iter().find(|kind| kind.hello() == hello) else {
-        let known: Vec<_> = crate::KINDS.iter().map(|kind| kind.hello()).collect();
-        bail!("{name}: the hello '{hello}' is none of {}", known.join(", "));
-    };
-    for session in &sessions {
-        kind.check(session).map_err(|wrong| anyhow::anyhow!("{name}: {wrong}"))?;
-    }
-    Ok((*kind, sessions))
-}
 
 /// The kind of an implementation, by the hello that it answers; none where it answers none.
 ///
 /// # Errors
 /// Where it cannot be started.
-pub fn kind_of(dut: &dyn Dut) -> Result<Option<&'static dyn Kind>> {
-    for kind in crate::KINDS {
+pub fn kind_of(dut: &dyn Dut) -> Result<Option<&'static dyn Kind>, Error> {
+    for kind in KINDS {
         let options = Options { requests: 0, ..Options::default() };
         let session = default_suite(*kind, &options)?;
-        let session = session.first().context("a kind has sessions")?.session(*kind, &options);
-        let mut judge = Judge::new(*kind, &session, Level::Protocol);
-        let ending = dut.converse(&session, &mut judge, &Stop::never())?;
-        let refused = judge.findings().iter().find(|finding| finding.asked == kind.hello());
+        let session = session.first().ok_or("a kind has sessions")?.session(*kind, &options);
+        let mut scoreboard = Scoreboard::new(*kind, &session, Level::Protocol);
+        let ending = dut.converse(&session, &mut scoreboard, &Deadline::never())?;
+        let refused = scoreboard.findings().iter().find(|finding| finding.asked == kind.hello());
         let Some(finding) = refused else { return Ok(Some(*kind)) };
-        if let Some(named) = crate::KINDS.iter().find(|kind| kind.hello() == finding.got) {
-            return Ok(Some(*named));
+        if let Some(named) = kind_of_hello(finding.got.as_bytes()) {
+            return Ok(Some(named));
         }
         if ending.timeout.is_some() {
             break;
@@ -163,7 +41,7 @@ pub fn kind_of(dut: &dyn Dut) -> Result<Option<&'static dyn Kind>> {
     Ok(None)
 }
 
-/// Holds all sessions, and says what was found. `progress` is told the part that is done.
+/// Runs all sessions, and says what was found. `progress` is given the part that is done, from 0 to 1.
 ///
 /// # Errors
 /// Where the implementation cannot be started.
@@ -171,41 +49,33 @@ pub fn run(
     name: &str,
     dut: &dyn Dut,
     kind: &dyn Kind,
-    planned: &[Planned],
+    planned: &[PlannedSession],
     options: &Options,
     progress: &(dyn Fn(f64) + Sync),
-) -> Result<Report> {
-    let Gathered { held, stopped, random_seconds, shrinking } =
-        gather(dut, kind, planned, options, progress)?;
-    let failures = failures(dut, kind, planned, &held, (options, &shrinking))?;
-    Ok(Summary { name, kind, planned, held: &held, options }.report(failures, stopped, random_seconds))
+) -> Result<ConformanceReport, Error> {
+    let Execution { results, stopped, random_seconds, shrinking } =
+        execute(dut, kind, planned, options, progress)?;
+    let failures = failures(dut, kind, planned, &results, (options, &shrinking))?;
+    Ok(Summary { name, kind, planned, results: &results, options }.report(failures, stopped, random_seconds))
 }
 
-impl Planned {
-    /// The session, which is made where it is random.
-    pub(crate) fn session(&self, kind: &dyn Kind, options: &Options) -> Session {
-        let session = match self {
-            Self::Directed(session) => (**session).clone(),
-            Self::Random { seed, requests } => kind.random(*seed, *requests),
-        };
-        if options.tolerance == 0 { session } else { kind.with_tolerance(session, options.tolerance) }
-    }
-}
+/// Failures that are shrunk: of each requirement and level the first, and no more than these.
+const SHOWN_FAILURES: usize = 8;
 
 /// Of each requirement and level the first session that fails, shrunk.
 fn failures(
     dut: &dyn Dut,
     kind: &dyn Kind,
-    planned: &[Planned],
-    held: &[Held],
-    how: (&Options, &Stop),
-) -> Result<Vec<Failure>> {
+    planned: &[PlannedSession],
+    results: &[SessionResult],
+    how: (&Options, &Deadline),
+) -> Result<Vec<Failure>, Error> {
     let mut chosen: Vec<(usize, &Finding)> = Vec::new();
-    for (place, session) in held.iter().enumerate() {
+    for (place, session) in results.iter().enumerate() {
         // The lowest level: those above follow from it.
         let Some(finding) = session.findings.iter().min_by_key(|finding| finding.level) else { continue };
         let same = |&(other, known): &(usize, &Finding)| {
-            let row = &held[other].row;
+            let row = &results[other].row;
             row == &session.row && known.level == finding.level && known.requirement == finding.requirement
         };
         if !chosen.iter().any(same) {
@@ -214,8 +84,8 @@ fn failures(
     }
     chosen.truncate(SHOWN_FAILURES);
     let of = |&(place, finding): &(usize, &Finding)| {
-        let session = planned[held[place].place].session(kind, how.0);
-        failure(dut, kind, &session, finding, &held[place], how)
+        let session = planned[results[place].place].session(kind, how.0);
+        failure(dut, kind, &session, finding, &results[place], how)
     };
     chosen.par_iter().map(of).collect()
 }
@@ -225,27 +95,28 @@ fn failure(
     kind: &dyn Kind,
     session: &Session,
     finding: &Finding,
-    held: &Held,
-    (options, stop): (&Options, &Stop),
-) -> Result<Failure> {
+    result: &SessionResult,
+    (options, deadline): (&Options, &Deadline),
+) -> Result<Failure, Error> {
     let mut trouble = None;
     let mut fails = |session: &Session| {
-        let mut judge = Judge::new(kind, session, options.highest());
-        if let Err(error) = dut.converse(session, &mut judge, stop) {
+        let mut scoreboard = Scoreboard::new(kind, session, options.highest());
+        if let Err(error) = dut.converse(session, &mut scoreboard, deadline) {
             trouble.get_or_insert(error);
             return None;
         }
         let same =
             |found: &&Finding| found.level == finding.level && found.requirement == finding.requirement;
-        judge.findings().iter().find(same).cloned()
+        scoreboard.findings().iter().find(same).cloned()
     };
-    let Shrunk { session: minimal, finding, cut_short } = if held.timeout.is_some() || stop.has_come() {
-        // Each try would take the time limit again: only what was not asked for yet is left out.
-        let session = session.with_requests(session.requests().take(finding.asked_by_then()));
-        Shrunk { session, finding: finding.clone(), cut_short: true }
-    } else {
-        shrink(kind, session, finding, stop, &mut fails)
-    };
+    let ShrinkResult { session: minimal, finding, cut_short } =
+        if result.timeout.is_some() || deadline.has_come() {
+            // Each try would take the time limit again: only what was not asked for yet is left out.
+            let session = session.with_requests(session.requests().take(finding.asked_by_then()));
+            ShrinkResult { session, finding: finding.clone(), cut_short: true }
+        } else {
+            shrink(kind, session, finding, deadline, &mut fails)
+        };
     if let Some(error) = trouble {
         return Err(error);
     }
@@ -254,7 +125,7 @@ fn failure(
         requirement,
         level: finding.level,
         session: session.name.clone(),
-        row: held.row.clone(),
+        row: result.row.clone(),
         idea: session.idea.clone(),
         says: finding.says.clone(),
         suite: minimal.to_suite(),
@@ -266,7 +137,7 @@ fn failure(
         asked: finding.asked.clone(),
         expected: finding.expected.clone(),
         got: finding.got.clone(),
-        stderr: held.stderr.clone(),
+        stderr: result.stderr.clone(),
         replay: None,
     })
 }
@@ -289,31 +160,36 @@ const ENTRY_BYTES: &str = "VM-12";
 struct Summary<'a> {
     name: &'a str,
     kind: &'a dyn Kind,
-    planned: &'a [Planned],
-    held: &'a [Held],
+    planned: &'a [PlannedSession],
+    results: &'a [SessionResult],
     options: &'a Options,
 }
 
 impl Summary<'_> {
-    fn report(&self, failures: Vec<Failure>, stopped: Option<String>, random_seconds: f64) -> Report {
+    fn report(
+        &self,
+        failures: Vec<Failure>,
+        stopped: Option<String>,
+        random_seconds: f64,
+    ) -> ConformanceReport {
         let levels = self.levels();
-        let passed = |level: &&LevelVerdict| level.verdict == AtLevel::Passed;
-        let before_failed = levels.iter().take_while(|level| level.verdict != AtLevel::Failed);
+        let passed = |level: &&LevelResult| level.verdict == LevelVerdict::Passed;
+        let before_failed = levels.iter().take_while(|level| level.verdict != LevelVerdict::Failed);
         let highest = before_failed.filter(passed).map(|level| level.level).last();
-        let errors = self.held.iter().filter(|held| !held.findings.is_empty()).count();
+        let errors = self.results.iter().filter(|result| !result.findings.is_empty()).count();
         let at_asked = levels.iter().find(|level| Some(level.level) == self.options.level);
-        let slow = self.held.iter().any(|held| held.timeout == Some(Timeout::Slow));
-        let judged = self.held.iter().any(|held| held.unsupported.is_none());
-        let passed = at_asked.is_none_or(|level| level.verdict == AtLevel::Passed);
-        let told = judged && !slow && passed;
-        let told = told && highest.is_some_and(|highest| highest > Level::Protocol);
-        let verdict = match (errors, told) {
-            (0, true) => Verdict::Conforms,
-            (0, false) => Verdict::Incomplete,
-            _ => Verdict::DoesNotConform,
+        let slow = self.results.iter().any(|result| result.timeout == Some(Timeout::Slow));
+        let judged = self.results.iter().any(|result| result.unsupported.is_none());
+        let passed = at_asked.is_none_or(|level| level.verdict == LevelVerdict::Passed);
+        let decided = judged && !slow && passed;
+        let decided = decided && highest.is_some_and(|highest| highest > Level::Protocol);
+        let verdict = match (errors, decided) {
+            (0, true) => ConformanceVerdict::Conforms,
+            (0, false) => ConformanceVerdict::Incomplete,
+            _ => ConformanceVerdict::DoesNotConform,
         };
-        let random = || self.held.iter().filter(|held| held.random);
-        Report {
+        let random = || self.results.iter().filter(|result| result.random);
+        ConformanceReport {
             schema_version: SCHEMA_VERSION,
             dut: self.name.to_owned(),
             kind: self.kind.name().to_owned(),
@@ -326,10 +202,10 @@ impl Summary<'_> {
             failures,
             unsupported: self.unsupported(),
             coverage: self.coverage(),
-            sessions: self.held.len(),
+            sessions: self.results.len(),
             errors,
-            requests: self.held.iter().map(|held| held.answered as u64).sum(),
-            random_requests: random().map(|held| held.answered as u64).sum(),
+            requests: self.results.iter().map(|result| result.answered as u64).sum(),
+            random_requests: random().map(|result| result.answered as u64).sum(),
             random_seconds,
             stopped: stopped.or_else(|| {
                 slow.then(|| {
@@ -339,61 +215,61 @@ impl Summary<'_> {
         }
     }
 
-    fn levels(&self) -> Vec<LevelVerdict> {
+    fn levels(&self) -> Vec<LevelResult> {
         let lowest_failed =
-            self.held.iter().flat_map(|held| &held.findings).map(|finding| finding.level).min();
+            self.results.iter().flat_map(|result| &result.findings).map(|finding| finding.level).min();
         let verdict = |&level: &Level| {
             let verdict = if level > self.options.highest() {
-                AtLevel::NotAsked
+                LevelVerdict::NotAsked
             } else if lowest_failed.is_some_and(|failed| failed <= level) {
-                AtLevel::Failed
+                LevelVerdict::Failed
             } else if self
-                .held
+                .results
                 .iter()
-                .any(|held| held.observed.contains(&level) && held.unsupported.is_none())
+                .any(|result| result.observed.contains(&level) && result.unsupported.is_none())
             {
-                AtLevel::Passed
+                LevelVerdict::Passed
             } else {
-                AtLevel::NotObserved
+                LevelVerdict::NotObserved
             };
-            LevelVerdict { level, verdict }
+            LevelResult { level, verdict }
         };
         self.kind.levels().iter().map(verdict).collect()
     }
 
-    fn requirements(&self) -> Vec<RequirementVerdict> {
-        let mut rows: Vec<RequirementVerdict> = Vec::new();
-        for held in self.held.iter().filter(|held| held.unsupported.is_none()) {
-            let place = rows.iter().position(|row| row.requirement == held.row).unwrap_or_else(|| {
-                rows.push(RequirementVerdict { requirement: held.row.clone(), sessions: 0, failed: 0 });
+    fn requirements(&self) -> Vec<RequirementResult> {
+        let mut rows: Vec<RequirementResult> = Vec::new();
+        for result in self.results.iter().filter(|result| result.unsupported.is_none()) {
+            let place = rows.iter().position(|row| row.requirement == result.row).unwrap_or_else(|| {
+                rows.push(RequirementResult { requirement: result.row.clone(), sessions: 0, failed: 0 });
                 rows.len() - 1
             });
             rows[place].sessions += 1;
-            rows[place].failed += usize::from(!held.findings.is_empty());
+            rows[place].failed += usize::from(!result.findings.is_empty());
         }
         rows
     }
 
-    fn unsupported(&self) -> Vec<Unsupported> {
-        let mut rows: Vec<Unsupported> = Vec::new();
-        for key in self.held.iter().filter_map(|held| held.unsupported.as_deref()) {
+    fn unsupported(&self) -> Vec<UnsupportedKey> {
+        let mut rows: Vec<UnsupportedKey> = Vec::new();
+        for key in self.results.iter().filter_map(|result| result.unsupported.as_deref()) {
             match rows.iter_mut().find(|row| row.key == key) {
                 Some(row) => row.sessions += 1,
-                None => rows.push(Unsupported { key: key.to_owned(), sessions: 1 }),
+                None => rows.push(UnsupportedKey { key: key.to_owned(), sessions: 1 }),
             }
         }
         rows.sort_unstable_by(|a, b| a.key.cmp(&b.key));
         rows
     }
 
-    /// What the sessions exercise that were held to their ends.
-    fn coverage(&self) -> Vec<crate::kind::Covered> {
+    /// What the sessions exercise that ran to their ends.
+    fn coverage(&self) -> Vec<CoverageCount> {
         let mut coverage = self.kind.coverage();
-        for held in self.held {
-            if held.findings.is_empty() && held.unsupported.is_none() && held.timeout.is_none() {
-                coverage.add(&self.planned[held.place].session(self.kind, self.options));
+        for result in self.results {
+            if result.findings.is_empty() && result.unsupported.is_none() && result.timeout.is_none() {
+                coverage.add(&self.planned[result.place].session(self.kind, self.options));
             }
         }
-        coverage.rows()
+        coverage.counts()
     }
 }

@@ -1,8 +1,8 @@
 //! A session: one conversation with an implementation, as the text that is sent to it.
 
+use crate::error::Error;
 use crate::level::Level;
 use memchr::memchr;
-use std::fmt;
 use std::ops::Range;
 
 /// Begins a line of a suite file that is about the session and not part of it.
@@ -24,23 +24,6 @@ pub struct Session {
     config: Range<usize>,
     body: Range<usize>,
 }
-
-/// Why text is no session.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SessionError {
-    /// Number of the line, from 1 on.
-    pub line: usize,
-    /// What is wrong, and what would be right.
-    pub says: String,
-}
-
-impl fmt::Display for SessionError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "line {}: {}", self.line, self.says)
-    }
-}
-
-impl std::error::Error for SessionError {}
 
 impl Session {
     /// The session of these parts; requests are lines, each with its newline.
@@ -68,8 +51,8 @@ impl Session {
     /// `#: also KEY=VALUE ..`, which replaces some of it. `#: REQUIREMENT LEVEL IDEA` says what it is about.
     ///
     /// # Errors
-    /// Where the text is no session: it lacks the hello, the configuration or the end.
-    pub fn parse(name: &str, suite: &str) -> Result<Vec<Self>, SessionError> {
+    /// The line where the text is no session: it lacks the hello, the configuration or the end.
+    pub fn parse(name: &str, suite: &str) -> Result<Vec<Self>, Error> {
         let mut about = Vec::new();
         let mut also = Vec::new();
         let mut lines = suite.lines().zip(1..).peekable();
@@ -81,7 +64,7 @@ impl Session {
                 None => about.push(said),
             }
         }
-        let wrong = |line, says: &str| SessionError { line, says: says.to_owned() };
+        let wrong = |line, right: &str| Error::Line { line, right: right.to_owned() };
         let Some((hello, _)) = lines.next() else {
             return Err(wrong(
                 suite.lines().count(),
@@ -175,6 +158,20 @@ impl Session {
     /// The requests between the configuration and the end, without comments.
     pub fn requests(&self) -> impl Iterator<Item = &[u8]> {
         Lines { text: &self.text[self.body.clone()] }.filter(|line| is_asked(line))
+    }
+
+    /// Checks each request by itself.
+    ///
+    /// # Errors
+    /// The first request that `check` refuses, and why.
+    pub(crate) fn check_requests(
+        &self,
+        mut check: impl FnMut(&[u8]) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        for (request, number) in self.requests().zip(1..) {
+            check(request).map_err(|wrong| wrong.in_request(number, request))?;
+        }
+        Ok(())
     }
 
     /// The request at or after place `at` of the text, and the place behind it; the last one is `end`.
@@ -272,11 +269,11 @@ mod tests {
     fn sessions_read_back() {
         let sessions = Session::parse("vm/x", SUITE).expect("a suite");
         let text = String::from_utf8(sessions[1].to_suite()).expect("text");
-        assert_eq!(Session::parse(&sessions[1].name, &text), Ok(vec![sessions[1].clone()]));
+        assert_eq!(Session::parse(&sessions[1].name, &text).ok(), Some(vec![sessions[1].clone()]));
     }
 
     #[test]
-    fn what_is_no_session_is_told() {
+    fn wrong_suite_files_are_refused() {
         for (text, line, says) in [
             ("", 0, "hello"),
             ("# only\n", 1, "hello"),
@@ -284,8 +281,8 @@ mod tests {
             ("saarcor-vm 1\nconfig a=1\nr 0 1\n", 3, "end"),
             ("saarcor-vm 1\nconfig a=1\nend\nr 0 1\n", 4, "nothing follows"),
         ] {
-            let error = Session::parse("x", text).expect_err("none");
-            assert!(error.line == line && error.says.contains(says), "{text}: {error}");
+            let error = Session::parse("x", text).expect_err("none").to_string();
+            assert!(error.starts_with(&format!("line {line}: ")) && error.contains(says), "{text}: {error}");
         }
     }
 

@@ -1,9 +1,9 @@
 //! Delta debugging: the shortest requests that still fail in the same way (Zeller, Hildebrandt 2002).
 
-use crate::judge::Finding;
+use crate::deadline::Deadline;
 use crate::kind::Kind;
+use crate::scoreboard::Finding;
 use crate::session::Session;
-use crate::stop::Stop;
 
 /// Conversations that are held at most to shrink one session.
 const MAX_TRIES: usize = 1000;
@@ -13,7 +13,7 @@ pub type Fails<'a> = dyn FnMut(&Session) -> Option<Finding> + 'a;
 
 /// What shrinking gave.
 #[derive(Clone, Debug)]
-pub struct Shrunk {
+pub struct ShrinkResult {
     /// The shortest session that was found.
     pub session: Session,
     /// What fails in it.
@@ -23,44 +23,44 @@ pub struct Shrunk {
 }
 
 /// A session that fails like `session` and from which no single request can be left out, in the
-/// simplest configuration that was found; when `stop` comes, the shortest by then.
+/// simplest configuration that was found; when `deadline` comes, the shortest by then.
 pub fn shrink(
     kind: &dyn Kind,
     session: &Session,
     finding: &Finding,
-    stop: &Stop,
+    deadline: &Deadline,
     fails: &mut Fails<'_>,
-) -> Shrunk {
+) -> ShrinkResult {
     let requests = session.requests().map(<[u8]>::to_vec).collect();
     let (session, finding) = (session.clone(), finding.clone());
     let mut shrinking =
-        Shrinking { kind, session, requests, finding, stop, fails, tries: 0, cut_short: false };
+        Shrinker { kind, session, requests, finding, deadline, fails, tries: 0, cut_short: false };
     shrinking.cut();
     // What is left out of a scene can make another one, which is harder to simplify than the whole.
     shrinking.simplify_session();
     shrinking.simplify_session();
     shrinking.simplify_config();
     shrinking.simplify_requests();
-    let Shrinking { session, finding, cut_short, .. } = shrinking;
-    Shrunk { session, finding, cut_short }
+    let Shrinker { session, finding, cut_short, .. } = shrinking;
+    ShrinkResult { session, finding, cut_short }
 }
 
-struct Shrinking<'a, 'f> {
+struct Shrinker<'a, 'f> {
     kind: &'a dyn Kind,
     /// The shortest that fails, and its requests.
     session: Session,
     requests: Vec<Vec<u8>>,
     finding: Finding,
-    stop: &'a Stop,
+    deadline: &'a Deadline,
     fails: &'a mut Fails<'f>,
     tries: usize,
     cut_short: bool,
 }
 
-impl Shrinking<'_, '_> {
+impl Shrinker<'_, '_> {
     /// Whether nothing more is tried, though there is something to try.
     fn is_over(&mut self) -> bool {
-        let is_over = self.tries == MAX_TRIES || self.stop.has_come();
+        let is_over = self.tries == MAX_TRIES || self.deadline.has_come();
         self.cut_short |= is_over;
         is_over
     }

@@ -293,7 +293,7 @@ pub const CHIP: &[(&str, &str)] = suites![
 
 #[cfg(test)]
 mod tests {
-    use crate::KINDS;
+    use crate::kinds::KINDS;
     use crate::session::Session;
     use std::collections::BTreeSet;
 
@@ -303,7 +303,7 @@ mod tests {
         for kind in KINDS {
             for (name, text) in kind.suites() {
                 for session in Session::parse(name, text).expect("a suite") {
-                    assert_eq!(kind.check(&session), Ok(()), "{}", session.name);
+                    kind.check(&session).expect(&session.name);
                     assert!(session.requirement.is_some() && session.idea.ends_with('.'), "{name}");
                 }
                 listed.insert(format!("{name}.txt"));

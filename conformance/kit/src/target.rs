@@ -4,12 +4,14 @@
 use crate::chip::Chip;
 use crate::chip::config::MAX_TOLERANCE;
 use crate::dut::{Dut, InProcess};
+use crate::error::Error;
 use crate::kind::{Kind, Oracle};
-use crate::kind_named;
+use crate::kinds::{KINDS, kind_named};
 use crate::vm::Vm;
-use anyhow::{Context, Result, bail};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
+#[cfg(unix)]
+use std::process::Stdio;
 use std::time::Duration;
 
 /// Seconds that a session may take where nothing is said (Assumed).
@@ -58,27 +60,37 @@ impl DutFile {
     ///
     /// # Errors
     /// What is wrong, in which line, and what would be right.
-    pub fn parse(text: &str) -> Result<Self> {
+    pub fn parse(text: &str) -> Result<Self, Error> {
         let file: Self = toml::from_str(text).map_err(|error| {
             let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-            anyhow::anyhow!("line {line}: {}", error.message())
+            Error::Line { line, right: error.message().to_owned() }
         })?;
         if kind_named(&file.kind).is_none() {
-            bail!("kind = \"{}\": {}", file.kind, known_kinds());
+            return Err(format!("kind = \"{}\": {}", file.kind, known_kinds()).into());
         }
         match (&file.command, &file.library) {
-            (None, None) => bail!("command is missing: the command line that starts the implementation"),
-            (_, Some(_)) if file.kind != Vm.name() => bail!("library: there is one for {} only", Vm.name()),
+            (None, None) => {
+                return Err("command is missing: the command line that starts the implementation".into());
+            }
+            (_, Some(_)) if file.kind != Vm.name() => {
+                return Err(format!("library: there is one for {} only", Vm.name()).into());
+            }
             _ => {}
         }
         match file.tolerance {
             0 => {}
-            _ if file.kind != Chip.name() => bail!("tolerance: there is one for {} only", Chip.name()),
+            _ if file.kind != Chip.name() => {
+                return Err(format!("tolerance: there is one for {} only", Chip.name()).into());
+            }
             1..=MAX_TOLERANCE => {}
-            more => bail!("tolerance = {more}: at most {MAX_TOLERANCE} thousandths"),
+            more => return Err(format!("tolerance = {more}: at most {MAX_TOLERANCE} thousandths").into()),
         }
         if !(file.time_limit > 0.0 && file.time_limit <= MAX_TIME_LIMIT) {
-            bail!("time_limit = {}: it is a number of seconds from 0 to {MAX_TIME_LIMIT}", file.time_limit);
+            let limit = file.time_limit;
+            return Err(format!(
+                "time_limit = {limit}: it is a number of seconds from 0 to {MAX_TIME_LIMIT}"
+            )
+            .into());
         }
         Ok(file)
     }
@@ -86,13 +98,13 @@ impl DutFile {
 
 /// The kinds that there are, in a sentence.
 fn known_kinds() -> String {
-    let names: Vec<_> = crate::KINDS.iter().map(|kind| kind.name()).collect();
+    let names: Vec<_> = KINDS.iter().map(|kind| kind.name()).collect();
     format!("the kinds are {}", names.join(", "))
 }
 
-/// How an implementation is to be run.
+/// How a target is run.
 #[derive(Clone, Debug, Default)]
-pub struct How {
+pub struct TargetOptions {
     /// Seconds that a session may take, in the place of those of `dut.toml`.
     pub time_limit: Option<f64>,
     /// Whether the library of `dut.toml` is run even where there is a command.
@@ -114,7 +126,7 @@ pub fn shell_word(word: &str) -> String {
 
 /// An implementation to be run.
 pub struct Target {
-    /// Its kind, where it is known; else its hello tells.
+    /// Its kind, where it is known; else its hello says.
     pub kind: Option<&'static dyn Kind>,
     /// Programs that it needs and that are not there.
     pub missing: Vec<String>,
@@ -134,7 +146,7 @@ impl Target {
     ///
     /// # Errors
     /// Where `dut.toml` cannot be read, or is wrong.
-    pub fn open(name: &str, how: &How) -> Result<Self> {
+    pub fn open(name: &str, how: &TargetOptions) -> Result<Self, Error> {
         let oracle = match name {
             "model" => Some(Oracle::Model),
             "naive" => Some(Oracle::Naive),
@@ -152,29 +164,32 @@ impl Target {
         if let Some(oracle) = oracle {
             let dut = || Box::new(InProcess::oracle(oracle));
             if how.takes_library {
-                bail!("{name}: has no library");
+                return Err(Error::from("has no library").within(name));
             }
             return Ok(target(dut(), dut()));
         }
         let folder = Path::new(name);
         if !folder.is_dir() {
             if name.trim().is_empty() {
-                bail!("no implementation: name a folder with dut.toml, or a command line");
+                return Err("no implementation: name a folder with dut.toml, or a command line".into());
             }
             let limit = how.time_limit.unwrap_or(TIME_LIMIT);
             if how.takes_library {
-                bail!("{name}: a library is named by the dut.toml of a folder");
+                return Err(Error::from("a library is named by the dut.toml of a folder").within(name));
             }
             let process = |limit| process(name.to_owned(), None, limit);
             return Ok(target(process(limit)?, process(limit.min(PROBE_LIMIT))?));
         }
         let path = folder.join("dut.toml");
+        let shown = path.display();
         let text = std::fs::read_to_string(&path)
-            .with_context(|| format!("{}: cannot be read; a folder is named that has one", path.display()))?;
-        let file = DutFile::parse(&text).with_context(|| path.display().to_string())?;
+            .map_err(Error::system(format!("{shown}: cannot be read; a folder is named that has one")))?;
+        let file = DutFile::parse(&text).map_err(|wrong| wrong.within(shown.to_string()))?;
         let limit = how.time_limit.unwrap_or(file.time_limit);
         let command = match (file.command, file.library) {
-            (_, None) if how.takes_library => bail!("{}: names no library", path.display()),
+            (_, None) if how.takes_library => {
+                return Err(Error::from("names no library").within(shown.to_string()));
+            }
             (Some(command), _) if !how.takes_library => command,
             (_, library) => {
                 format!("exec {} {}", how.library_server, shell_word(&library.unwrap_or_default()))
@@ -196,33 +211,41 @@ impl Target {
     /// # Errors
     /// Where the build fails, with the end of what it said.
     #[cfg(unix)]
-    pub fn build(&self) -> Result<()> {
+    pub fn build(&self) -> Result<(), Error> {
         let Some((command, folder)) = &self.build else { return Ok(()) };
-        let said = tempfile::NamedTempFile::new().context("file for what the build says")?;
-        let output = || Ok::<_, anyhow::Error>(std::process::Stdio::from(said.as_file().try_clone()?));
-        let mut shell = crate::child::shell(command, Some(folder));
-        shell.stdin(std::process::Stdio::null()).stdout(output()?).stderr(output()?);
-        let mut child = shell.spawn().with_context(|| format!("'{command}' cannot be started"))?;
+        let no_file = "file for the output of the build";
+        let said = tempfile::NamedTempFile::new().map_err(Error::system(no_file))?;
+        let output = || {
+            let file = said.as_file().try_clone().map_err(Error::system(no_file))?;
+            Ok::<_, Error>(Stdio::from(file))
+        };
+        let fails = |why: String| Error::Build {
+            command: command.clone(),
+            folder: folder.display().to_string(),
+            why,
+        };
+        let mut shell = crate::process::shell(command, Some(folder));
+        shell.stdin(Stdio::null()).stdout(output()?).stderr(output()?);
+        let mut child = shell.spawn().map_err(Error::system(format!("'{command}' cannot be started")))?;
         let began = std::time::Instant::now();
         let status = loop {
-            if let Some(status) = child.try_wait()? {
+            if let Some(status) =
+                child.try_wait().map_err(Error::system(format!("'{command}' cannot be waited for")))?
+            {
                 break status;
             }
             if began.elapsed() > BUILD_LIMIT {
-                crate::child::kill_group(&mut child);
-                bail!(
-                    "build '{command}' in {}: not done within {} s",
-                    folder.display(),
-                    BUILD_LIMIT.as_secs()
-                );
+                crate::process::kill_group(&mut child);
+                return Err(fails(format!("not done within {} s", BUILD_LIMIT.as_secs())));
             }
             std::thread::sleep(Duration::from_millis(5));
         };
         if !status.success() {
-            let text = String::from_utf8_lossy(&std::fs::read(said.path())?).into_owned();
+            let text = std::fs::read(said.path()).map_err(Error::system(no_file))?;
+            let text = String::from_utf8_lossy(&text);
             let last: Vec<_> = text.lines().rev().take(3).collect();
             let last: Vec<_> = last.into_iter().rev().collect();
-            bail!("build '{command}' in {}: {status}: {}", folder.display(), last.join(" | "));
+            return Err(fails(format!("{status}: {}", last.join(" | "))));
         }
         Ok(())
     }
@@ -232,20 +255,20 @@ impl Target {
     /// # Errors
     /// Always, where something is to be built: only Unix is supported.
     #[cfg(not(unix))]
-    pub fn build(&self) -> Result<()> {
-        if self.build.is_some() { bail!("builds are run on Unix only") } else { Ok(()) }
+    pub fn build(&self) -> Result<(), Error> {
+        if self.build.is_some() { Err("builds are run on Unix only".into()) } else { Ok(()) }
     }
 }
 
 #[cfg(unix)]
-fn process(command: String, folder: Option<PathBuf>, limit: f64) -> Result<Box<dyn Dut>> {
-    let time_limit = Duration::try_from_secs_f64(limit).context("time limit")?;
-    Ok(Box::new(crate::child::Process { command, folder, time_limit }))
+fn process(command: String, folder: Option<PathBuf>, limit: f64) -> Result<Box<dyn Dut>, Error> {
+    let time_limit = Duration::try_from_secs_f64(limit).map_err(|error| format!("time limit: {error}"))?;
+    Ok(Box::new(crate::process::Process { command, folder, time_limit }))
 }
 
 #[cfg(not(unix))]
-fn process(_: String, _: Option<PathBuf>, _: f64) -> Result<Box<dyn Dut>> {
-    bail!("implementations are started as processes on Unix only")
+fn process(_: String, _: Option<PathBuf>, _: f64) -> Result<Box<dyn Dut>, Error> {
+    Err("implementations are started as processes on Unix only".into())
 }
 
 /// Whether a program is in the path, or is a path itself.
@@ -266,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_in_a_file_is_told() {
+    fn wrong_files_are_refused() {
         let whole = "kind = \"saarcor-vm\"\ncommand = \"./cache\"\ntime_limit = 1\n";
         for (from, to, says) in [
             ("saarcor-vm", "saarcor", "saarcor-vm"),

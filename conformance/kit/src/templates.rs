@@ -1,6 +1,6 @@
 //! Implementations to copy, and faults to plant into them.
 
-use anyhow::{Context, Result, bail};
+use crate::error::Error;
 use serde::Deserialize;
 
 /// An implementation to begin with.
@@ -65,9 +65,9 @@ struct FaultFile {
 ///
 /// # Errors
 /// Where the file is wrong: a fault of the kit.
-pub fn faults() -> Result<Vec<Fault>> {
-    let file: FaultFile =
-        toml::from_str(include_str!("../../duts/broken/faults.toml")).context("faults.toml")?;
+pub fn faults() -> Result<Vec<Fault>, Error> {
+    let file: Result<FaultFile, _> = toml::from_str(include_str!("../../duts/broken/faults.toml"));
+    let file = file.map_err(|error| Error::from(error.to_string()).within("faults.toml"))?;
     Ok(file.fault)
 }
 
@@ -89,14 +89,16 @@ impl Template {
     ///
     /// # Errors
     /// Where the fault is another template's, or its line is not there once.
-    pub fn with_fault(&self, fault: &Fault) -> Result<Vec<(&'static str, String)>> {
+    pub fn with_fault(&self, fault: &Fault) -> Result<Vec<(&'static str, String)>, Error> {
         if fault.template != self.name {
-            bail!("the fault '{}' is one of the template '{}'", fault.name, fault.template);
+            return Err(
+                format!("the fault '{}' is one of the template '{}'", fault.name, fault.template).into()
+            );
         }
         let mut files = self.files();
         let places: usize = files.iter().map(|(_, text)| text.matches(&fault.from).count()).sum();
         if places != 1 {
-            bail!("the fault '{}': its line is there {places} times", fault.name);
+            return Err(format!("the fault '{}': its line is there {places} times", fault.name).into());
         }
         for (_, text) in &mut files {
             *text = text.replace(&fault.from, &fault.to);

@@ -4,17 +4,18 @@
 
 use rayon::prelude::*;
 use saarcor_kit::chip::Chip;
+use saarcor_kit::deadline::Deadline;
 use saarcor_kit::dut::Dut;
 use saarcor_kit::hash::SetHash;
-use saarcor_kit::judge::Judge;
 use saarcor_kit::kd::Kd;
 use saarcor_kit::kind::Kind;
 use saarcor_kit::level::Level;
-use saarcor_kit::report::{Failure, Verdict};
-use saarcor_kit::run::{Options, default_suite, run};
+use saarcor_kit::plan::{Options, default_suite};
+use saarcor_kit::report::{ConformanceVerdict, Failure};
+use saarcor_kit::run::run;
+use saarcor_kit::scoreboard::Scoreboard;
 use saarcor_kit::session::Session;
-use saarcor_kit::stop::Stop;
-use saarcor_kit::target::{How, Target};
+use saarcor_kit::target::{Target, TargetOptions};
 use saarcor_kit::templates::{Fault, TEMPLATES, faults};
 use saarcor_kit::vm::config;
 use saarcor_model::vm::CacheConfig;
@@ -27,7 +28,8 @@ fn planted(fault: &Fault) -> (tempfile::TempDir, Target) {
     for (name, text) in template.with_fault(fault).expect("its line") {
         std::fs::write(folder.path().join(name), text).expect("written");
     }
-    let target = Target::open(folder.path().to_str().expect("text"), &How::default()).expect("a folder");
+    let target =
+        Target::open(folder.path().to_str().expect("text"), &TargetOptions::default()).expect("a folder");
     assert!(target.missing.is_empty(), "needs {:?}", target.missing);
     target.build().expect("it compiles");
     (folder, target)
@@ -38,7 +40,7 @@ fn first_failure(fault: &Fault, dut: &dyn Dut, kind: &dyn Kind) -> Option<Failur
     let options = Options { requests: 24_000, errors: 1, ..Options::default() };
     let planned = default_suite(kind, &options).expect("suites");
     let report = run(&fault.name, dut, kind, &planned, &options, &|_| ()).expect("it runs");
-    assert_eq!(report.verdict == Verdict::DoesNotConform, !report.failures.is_empty());
+    assert_eq!(report.verdict == ConformanceVerdict::DoesNotConform, !report.failures.is_empty());
     report.failures.into_iter().next()
 }
 
@@ -91,9 +93,9 @@ fn some_fail(dut: &dyn Dut, kind: &dyn Kind, failure: &Session, length: usize) -
         |requests: &&Vec<&[u8]>| kind.check(&failure.with_requests(requests.iter().copied())).is_ok();
     let tried: Vec<_> = tried.iter().filter(is_legal).collect();
     let first_wrong = |session: &Session| {
-        let mut judge = Judge::new(kind, session, Level::HIGHEST);
-        dut.converse(session, &mut judge, &Stop::never()).expect("it runs");
-        judge.findings().first().map(|finding| finding.request)
+        let mut scoreboard = Scoreboard::new(kind, session, Level::HIGHEST);
+        dut.converse(session, &mut scoreboard, &Deadline::never()).expect("it runs");
+        scoreboard.findings().first().map(|finding| finding.request)
     };
     let fails = |requests: &[&[u8]]| first_wrong(&failure.with_requests(requests.iter().copied())).is_some();
     // To start a program takes most of the time. So all are first asked for in one conversation, each

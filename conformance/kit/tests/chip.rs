@@ -3,11 +3,14 @@
 use saarcor_kit::chip::Chip;
 use saarcor_kit::chip::request::{Answer, Observes};
 use saarcor_kit::dut::InProcess;
+use saarcor_kit::error::Error;
+use saarcor_kit::implementation::Implementation;
 use saarcor_kit::kind::{Kind, Oracle};
 use saarcor_kit::level::Level;
-use saarcor_kit::report::{Report, Verdict};
-use saarcor_kit::run::{Options, default_suite, run};
-use saarcor_kit::serve::{Served, Unsupported, serve};
+use saarcor_kit::plan::{Options, default_suite};
+use saarcor_kit::report::{ConformanceReport, ConformanceVerdict};
+use saarcor_kit::run::run;
+use saarcor_kit::server::serve;
 use saarcor_kit::session::Session;
 
 /// The sums of a suite's comments, `# 17 cycles: ..`, by the runs that they stand before.
@@ -47,16 +50,16 @@ fn sums_by_hand_are_the_models() {
 
 /// The model whose runs take a part more cycles, and bytes if it is to.
 struct Slower {
-    model: Box<dyn Served>,
+    model: Box<dyn Implementation>,
     thousandths: u64,
 }
 
-impl Served for Slower {
+impl Implementation for Slower {
     fn observes(&self) -> String {
         "cycles".to_owned()
     }
 
-    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), &'static str> {
+    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), Error> {
         let mut right = Vec::new();
         self.model.answer(request, &mut right)?;
         match Answer::parse(&right, Observes::ALL).ok().and_then(|answer| answer.cycles) {
@@ -70,10 +73,10 @@ impl Served for Slower {
     }
 }
 
-fn slower(thousandths: u64, tolerance: u32) -> Report {
+fn slower(thousandths: u64, tolerance: u32) -> ConformanceReport {
     let dut = InProcess::new(Box::new(move |kind, config| {
         let model = kind.oracle(Oracle::Model, config)?;
-        Ok::<Box<dyn Served>, Unsupported>(Box::new(Slower { model, thousandths }))
+        Ok::<Box<dyn Implementation>, Error>(Box::new(Slower { model, thousandths }))
     }));
     let options = Options { requests: 2400, tolerance, ..Options::default() };
     let planned = default_suite(&Chip, &options).expect("suites");
@@ -83,11 +86,11 @@ fn slower(thousandths: u64, tolerance: u32) -> Report {
 #[test]
 fn timing_is_right_within_the_stated_tolerance() {
     let report = slower(20, 20);
-    assert_eq!((report.verdict, report.highest), (Verdict::Conforms, Some(Level::Timing)));
+    assert_eq!((report.verdict, report.highest), (ConformanceVerdict::Conforms, Some(Level::Timing)));
     assert_eq!(report.tolerance, 20);
     for (thousandths, tolerance) in [(20, 0), (20, 10)] {
         let report = slower(thousandths, tolerance);
-        assert_eq!(report.verdict, Verdict::DoesNotConform);
+        assert_eq!(report.verdict, ConformanceVerdict::DoesNotConform);
         let failure = &report.failures[0];
         assert_eq!(failure.level, Level::Timing);
         // What runs the shortest again has the tolerance in it.

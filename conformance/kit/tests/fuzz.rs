@@ -1,16 +1,16 @@
 //! Whatever comes in, from a person or from an implementation, nothing panics, and what is accepted
 //! is legal: mutated suites, configurations, answers and `dut.toml`.
 
-use saarcor_kit::KINDS;
-use saarcor_kit::check::check;
 use saarcor_kit::chip::Chip;
-use saarcor_kit::dut::InProcess;
-use saarcor_kit::judge::Judge;
+use saarcor_kit::deadline::Deadline;
+use saarcor_kit::dut::{Dut, InProcess};
 use saarcor_kit::kind::{Kind, Oracle};
+use saarcor_kit::kinds::KINDS;
 use saarcor_kit::level::Level;
-use saarcor_kit::serve::serve;
+use saarcor_kit::scoreboard::Scoreboard;
+use saarcor_kit::scoreboard::check_answers;
+use saarcor_kit::server::serve;
 use saarcor_kit::session::Session;
-use saarcor_kit::stop::Stop;
 use saarcor_kit::target::DutFile;
 use saarcor_random::Random;
 
@@ -65,10 +65,10 @@ fn suites_and_answers(mutations: u64) {
                     continue;
                 }
                 let right = answers(session.text());
-                let checked = check(kind, session, &right, Level::HIGHEST);
+                let checked = check_answers(kind, session, &right, Level::HIGHEST);
                 assert_eq!(checked.findings, [], "{}", String::from_utf8_lossy(session.text()));
                 let wrong = mutated(&right, &mut random);
-                for finding in check(kind, session, &wrong, Level::HIGHEST).findings {
+                for finding in check_answers(kind, session, &wrong, Level::HIGHEST).findings {
                     if let Some(request) = finding.request {
                         kind.state_before(session, request);
                     }
@@ -78,15 +78,15 @@ fn suites_and_answers(mutations: u64) {
                 for request in session.requests() {
                     kind.simpler_requests(session, request);
                 }
-                let mut judge = Judge::new(kind, session, Level::HIGHEST);
-                saarcor_kit::dut::Dut::converse(
+                let mut scoreboard = Scoreboard::new(kind, session, Level::HIGHEST);
+                Dut::converse(
                     &InProcess::oracle(Oracle::Naive),
                     session,
-                    &mut judge,
-                    &Stop::never(),
+                    &mut scoreboard,
+                    &Deadline::never(),
                 )
                 .expect("it runs");
-                assert_eq!(judge.findings(), []);
+                assert_eq!(scoreboard.findings(), []);
             }
         }
     }

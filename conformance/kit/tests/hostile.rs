@@ -1,20 +1,21 @@
 //! Hostile implementations: a verdict, and nothing left behind.
 #![cfg(unix)]
 
-use saarcor_kit::child::Process;
-use saarcor_kit::report::{Report, Verdict};
-use saarcor_kit::run::{Options, default_suite, run};
+use saarcor_kit::plan::{Options, PlannedSession, default_suite};
+use saarcor_kit::process::Process;
+use saarcor_kit::report::{ConformanceReport, ConformanceVerdict};
+use saarcor_kit::run::run;
 use saarcor_kit::vm::Vm;
 use std::time::Duration;
 
 const LIMIT: Duration = Duration::from_secs(1);
 
 /// Runs the default suite with a command line of which the report must be there in time.
-fn report_on(command: &str) -> Report {
+fn report_on(command: &str) -> ConformanceReport {
     report_within(LIMIT, command)
 }
 
-fn report_within(time_limit: Duration, command: &str) -> Report {
+fn report_within(time_limit: Duration, command: &str) -> ConformanceReport {
     let dut = Process { command: command.to_owned(), folder: None, time_limit };
     let options = Options { requests: 24, errors: 1, ..Options::default() };
     let planned = default_suite(&Vm, &options).expect("suites");
@@ -25,7 +26,7 @@ fn report_within(time_limit: Duration, command: &str) -> Report {
 #[track_caller]
 fn rejected(command: &str) -> (String, String) {
     let report = report_on(command);
-    assert_eq!(report.verdict, Verdict::DoesNotConform, "{command}");
+    assert_eq!(report.verdict, ConformanceVerdict::DoesNotConform, "{command}");
     let failure = report.failures.into_iter().next().expect("a failure");
     (failure.requirement, failure.says)
 }
@@ -103,7 +104,7 @@ fn one_that_writes_garbage() {
 #[test]
 fn one_that_writes_to_stderr_without_end() {
     let report = report_on("yes complaint >&2");
-    assert_eq!(report.verdict, Verdict::DoesNotConform);
+    assert_eq!(report.verdict, ConformanceVerdict::DoesNotConform);
     let failure = &report.failures[0];
     assert!(
         failure.stderr.contains("complaint\n") && failure.stderr.len() <= 4096,
@@ -113,7 +114,7 @@ fn one_that_writes_to_stderr_without_end() {
 }
 
 #[test]
-fn one_that_answers_slowly_is_not_told() {
+fn one_that_answers_slowly_is_not_judged() {
     // An answer every 50 ms: never silent for half of the limit, and far from the end.
     let slow = format!(
         "{HELLO} while read x; do case $x in end) echo end; exit;; *) echo ok; sleep 0.05; esac; done"
@@ -125,9 +126,9 @@ fn one_that_answers_slowly_is_not_told() {
         "line=16 lines=8 ways=2 hash=low policy=lru",
         "flush\n".repeat(1000).as_bytes(),
     );
-    let planned = [saarcor_kit::run::Planned::Directed(Box::new(session))];
+    let planned = [PlannedSession::Directed(Box::new(session))];
     let report = run("slow", &dut, &Vm, &planned, &Options::default(), &|_| ()).expect("it runs");
-    assert_eq!(report.verdict, Verdict::Incomplete);
+    assert_eq!(report.verdict, ConformanceVerdict::Incomplete);
     assert!(report.stopped.is_some_and(|why| why.contains("time limit")));
 }
 

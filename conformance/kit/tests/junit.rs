@@ -4,10 +4,11 @@
 use roxmltree::{Document, Node};
 use saarcor_kit::dut::Dut;
 use saarcor_kit::dut::InProcess;
+use saarcor_kit::error::Error;
 use saarcor_kit::hash::SetHash;
 use saarcor_kit::kind::{Kind as _, Oracle};
-use saarcor_kit::run::{Options, default_suite, run};
-use saarcor_kit::serve::Unsupported;
+use saarcor_kit::plan::{Options, default_suite};
+use saarcor_kit::run::run;
 use std::time::UNIX_EPOCH;
 
 /// Name, attributes, and children of an element, all of which both schemas allow; and ask for, where they
@@ -51,17 +52,17 @@ fn check(node: Node<'_, '_>) {
 fn junit_is_as_ci_systems_read_it() {
     // All sets are wrong, in an answer that XML has to escape.
     struct Zero;
-    impl saarcor_kit::serve::Served for Zero {
+    impl saarcor_kit::implementation::Implementation for Zero {
         fn observes(&self) -> String {
             "set".to_owned()
         }
-        fn answer(&mut self, _: &[u8], answer: &mut Vec<u8>) -> Result<(), &'static str> {
+        fn answer(&mut self, _: &[u8], answer: &mut Vec<u8>) -> Result<(), Error> {
             answer.extend_from_slice(b"]]><&\"\x01");
             Ok(())
         }
     }
     let broken = InProcess::new(Box::new(|_, _| Ok(Box::new(Zero))));
-    let none = InProcess::new(Box::new(|_, _| Err(Unsupported("hash".to_owned()))));
+    let none = InProcess::new(Box::new(|_, _| Err(Error::Unsupported("hash".to_owned()))));
     let duts: [(&dyn Dut, bool); 3] =
         [(&InProcess::oracle(Oracle::Naive), false), (&broken, false), (&none, true)];
     for (dut, is_incomplete) in duts {

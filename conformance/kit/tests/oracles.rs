@@ -1,12 +1,13 @@
 //! The oracles conform at their highest level, and the sessions reach all that they are to reach.
 
-use saarcor_kit::KINDS;
 use saarcor_kit::chip::Chip;
 use saarcor_kit::dut::InProcess;
 use saarcor_kit::kind::{Kind, Oracle};
+use saarcor_kit::kinds::KINDS;
 use saarcor_kit::level::Level;
-use saarcor_kit::report::{AtLevel, LevelVerdict, Report, Verdict};
-use saarcor_kit::run::{Options, Planned, default_suite, random_sessions, run};
+use saarcor_kit::plan::{Options, PlannedSession, default_suite, random_sessions};
+use saarcor_kit::report::{ConformanceReport, ConformanceVerdict, LevelResult, LevelVerdict};
+use saarcor_kit::run::run;
 
 /// Of the requests of other kinds so many have the chip one: a request of it is a packet, whose
 /// operations the naive stepping takes cycle by cycle.
@@ -16,13 +17,13 @@ fn requests_of(kind: &dyn Kind, requests: usize) -> usize {
     if kind.name() == Chip.name() { requests.div_ceil(CHIP_PART) } else { requests }
 }
 
-fn conforms(oracle: Oracle, options: &Options, seeds: Option<(u64, usize)>) -> Vec<Report> {
+fn conforms(oracle: Oracle, options: &Options, seeds: Option<(u64, usize)>) -> Vec<ConformanceReport> {
     let dut = InProcess::oracle(oracle);
     let reports = KINDS.iter().map(|kind| {
         let planned = match seeds {
             Some((seeds, requests)) => {
                 let requests = requests_of(*kind, requests);
-                (0..seeds).map(|seed| Planned::Random { seed: 1000 + seed, requests }).collect()
+                (0..seeds).map(|seed| PlannedSession::Random { seed: 1000 + seed, requests }).collect()
             }
             None => {
                 let options = Options { requests: requests_of(*kind, options.requests), ..options.clone() };
@@ -31,9 +32,9 @@ fn conforms(oracle: Oracle, options: &Options, seeds: Option<(u64, usize)>) -> V
         };
         let report = run("oracle", &dut, *kind, &planned, options, &|_| ()).expect("it runs");
         let failures: Vec<_> = report.failures.iter().map(|failure| failure.text()).collect();
-        assert_eq!(report.verdict, Verdict::Conforms, "{}", failures.join("\n"));
+        assert_eq!(report.verdict, ConformanceVerdict::Conforms, "{}", failures.join("\n"));
         // The naive reference does not observe which addresses a ray reads.
-        let observed = |row: &&LevelVerdict| row.verdict != AtLevel::NotObserved;
+        let observed = |row: &&LevelResult| row.verdict != LevelVerdict::NotObserved;
         let highest = report.levels.iter().rfind(observed).map(|row| row.level);
         assert_eq!(report.highest, highest);
         assert!(oracle == Oracle::Naive || highest == kind.levels().last().copied());
@@ -77,8 +78,8 @@ fn report_does_not_depend_on_the_threads() {
 fn random_part_has_the_requests_asked_for() {
     for requests in [0, 1, 24, 100, 50_000, 2_000_000] {
         let sessions = random_sessions(0, requests).map(|planned| match planned {
-            Planned::Random { requests, .. } => requests,
-            Planned::Directed(_) => 0,
+            PlannedSession::Random { requests, .. } => requests,
+            PlannedSession::Directed(_) => 0,
         });
         let all: usize = sessions.sum();
         assert!((requests..requests + 100).contains(&all), "{requests}: {all}");

@@ -8,11 +8,12 @@ use saarcor_kit::kd::Kd;
 use saarcor_kit::kind::Kind;
 use saarcor_kit::level::Level;
 use saarcor_kit::meta::Meta;
-use saarcor_kit::report::{Report, Verdict};
-use saarcor_kit::run::{Options, Planned, default_suite, run};
-use saarcor_kit::target::{How, Target};
+use saarcor_kit::plan::{Options, PlannedSession, default_suite};
+use saarcor_kit::report::{ConformanceReport, ConformanceVerdict};
+use saarcor_kit::run::run;
+use saarcor_kit::target::{Target, TargetOptions};
 use saarcor_kit::vm::Vm;
-use saarcor_kit::vm::cache::CacheServed;
+use saarcor_kit::vm::cache::CacheAdapter;
 
 #[path = "../../duts/rust/src/lib.rs"]
 mod my_cache;
@@ -27,31 +28,32 @@ fn template(name: &str) -> (tempfile::TempDir, Target) {
             std::fs::copy(file.path(), folder.path().join(file.file_name())).expect("copied");
         }
     }
-    let target = Target::open(folder.path().to_str().expect("text"), &How::default()).expect("a template");
+    let target =
+        Target::open(folder.path().to_str().expect("text"), &TargetOptions::default()).expect("a template");
     assert!(target.missing.is_empty(), "{name} needs {:?}", target.missing);
     target.build().expect("it builds");
     (folder, target)
 }
 
 #[track_caller]
-fn conforms(dut: &dyn Dut, planned: &[Planned]) -> Report {
+fn conforms(dut: &dyn Dut, planned: &[PlannedSession]) -> ConformanceReport {
     conforms_to(&Vm, dut, planned)
 }
 
 #[track_caller]
-fn conforms_to(kind: &dyn Kind, dut: &dyn Dut, planned: &[Planned]) -> Report {
+fn conforms_to(kind: &dyn Kind, dut: &dyn Dut, planned: &[PlannedSession]) -> ConformanceReport {
     let report = run("template", dut, kind, planned, &Options::default(), &|_| ()).expect("it runs");
     let failures: Vec<_> = report.failures.iter().map(|failure| failure.text()).collect();
-    assert_eq!(report.verdict, Verdict::Conforms, "{}", failures.join("\n"));
+    assert_eq!(report.verdict, ConformanceVerdict::Conforms, "{}", failures.join("\n"));
     report
 }
 
-fn suite(requests: usize) -> Vec<Planned> {
+fn suite(requests: usize) -> Vec<PlannedSession> {
     default_suite(&Vm, &Options { requests, ..Options::default() }).expect("suites")
 }
 
-fn seeds(count: u64, requests: usize) -> Vec<Planned> {
-    (0..count).map(|seed| Planned::Random { seed: 5000 + seed, requests }).collect()
+fn seeds(count: u64, requests: usize) -> Vec<PlannedSession> {
+    (0..count).map(|seed| PlannedSession::Random { seed: 5000 + seed, requests }).collect()
 }
 
 #[test]
@@ -63,7 +65,7 @@ fn c_conforms_whatever_the_seed() {
 
 #[test]
 fn rust_conforms_whatever_the_seed() {
-    let dut = InProcess::new(Box::new(|_, config| Ok(Box::new(CacheServed::new(config, &my_cache::make)?))));
+    let dut = InProcess::new(Box::new(|_, config| Ok(Box::new(CacheAdapter::new(config, &my_cache::make)?))));
     conforms(&dut, &suite(100_000));
     conforms(&dut, &seeds(200, 1000));
 }

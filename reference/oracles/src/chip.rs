@@ -5,7 +5,7 @@
 //! looking. The memory chips go clock by clock and give the commands that they may.
 
 use crate::cache::NaiveCache;
-use crate::metadata::{Moved, NaiveTags};
+use crate::metadata::{GranuleEvent, NaiveTags};
 use saarcor_model::time::standard::CHIP_CACHE_WAYS;
 use saarcor_model::time::{
     CacheReport, ChipConfig, Direction, Operation, Programs, SdramConfig, Stall, TimingReport, Version,
@@ -447,9 +447,9 @@ impl<'a> NaiveChip<'a> {
         };
         let slot = set * u64::from(self.config.cache.geometry.ways()) + u64::from(outcome.way().0);
         let moves = moved.into_iter().filter_map(|moved| match moved {
-            Moved::Found(_) => None,
-            Moved::Read(granule) => Some((granule.into(), Direction::Read)),
-            Moved::WrittenBack(granule, _) => Some((granule.into(), Direction::Write)),
+            GranuleEvent::Found(_) => None,
+            GranuleEvent::Read(granule) => Some((granule.into(), Direction::Read)),
+            GranuleEvent::WrittenBack(granule, _) => Some((granule.into(), Direction::Write)),
         });
         (slot * line_bytes + addr % line_bytes, matches!(outcome, Outcome::Miss { .. }), moves.collect())
     }

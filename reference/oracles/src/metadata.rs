@@ -9,7 +9,7 @@ const ENTRY: usize = 5;
 
 /// What an access to a granule did.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Moved {
+pub enum GranuleEvent {
     /// The granule of this number was in the metadata cache.
     Found(u32),
     /// It was read from the on-board memory.
@@ -110,7 +110,7 @@ impl NaiveTags {
     }
 
     /// Uses `line`, and says what moved.
-    pub fn access(&mut self, line: LineAddr, moved: &mut Vec<Moved>) -> Outcome {
+    pub fn access(&mut self, line: LineAddr, moved: &mut Vec<GranuleEvent>) -> Outcome {
         let set = self.sets.set_of(line) as usize;
         let mut entries = self.load(set, moved);
         let found = entries.iter().position(|entry| entry.resident && entry.line == line.0);
@@ -128,7 +128,7 @@ impl NaiveTags {
     }
 
     /// Forgets every line that `len` bytes at `addr` touch, one after the other, and says what moved.
-    pub fn invalidate(&mut self, addr: HostAddr, len: u64, moved: &mut Vec<Moved>) {
+    pub fn invalidate(&mut self, addr: HostAddr, len: u64, moved: &mut Vec<GranuleEvent>) {
         let line_bytes = self.config.geometry.line().0;
         let (first, last) = (u64::from(addr.0) / line_bytes, (u64::from(addr.0) + len - 1) / line_bytes);
         for line in first..=last {
@@ -218,7 +218,7 @@ impl NaiveTags {
         self.legal(&entries).then_some(entries)
     }
 
-    fn load(&mut self, set: usize, moved: &mut Vec<Moved>) -> Vec<Entry> {
+    fn load(&mut self, set: usize, moved: &mut Vec<GranuleEvent>) -> Vec<Entry> {
         for granule in self.granules(set) {
             self.touch(granule, moved);
         }
@@ -226,7 +226,7 @@ impl NaiveTags {
     }
 
     /// Writes to the granules in which something changes; to all where the old bytes are corrupt.
-    fn store(&mut self, set: usize, entries: &[Entry], moved: &mut Vec<Moved>) {
+    fn store(&mut self, set: usize, entries: &[Entry], moved: &mut Vec<GranuleEvent>) {
         let (place, old) = (self.bytes(set), self.bytes_now(set));
         let new: Vec<u8> = entries.iter().flat_map(|entry| entry.bytes()).collect();
         let corrupt = self.decoded(&old).is_none();
@@ -242,23 +242,23 @@ impl NaiveTags {
     }
 
     /// Brings a granule into the metadata cache.
-    fn touch(&mut self, number: usize, moved: &mut Vec<Moved>) -> &mut Granule {
+    fn touch(&mut self, number: usize, moved: &mut Vec<GranuleEvent>) -> &mut Granule {
         let sets = self.cached.len();
         let set = &mut self.cached[number % sets];
         let granule = match set.iter().position(|cached| cached.number == number) {
             Some(place) => {
-                moved.push(Moved::Found(number as u32));
+                moved.push(GranuleEvent::Found(number as u32));
                 set.remove(place)
             }
             None => {
-                moved.push(Moved::Read(number as u32));
+                moved.push(GranuleEvent::Read(number as u32));
                 let bytes = self.card[number * self.granule..][..self.granule].to_vec();
                 if set.len() == self.cached_ways {
                     let oldest = set.remove(0);
                     if oldest.changed {
                         self.card[oldest.number * self.granule..][..self.granule]
                             .copy_from_slice(&oldest.bytes);
-                        moved.push(Moved::WrittenBack(oldest.number as u32, oldest.bytes));
+                        moved.push(GranuleEvent::WrittenBack(oldest.number as u32, oldest.bytes));
                     }
                 }
                 Granule { number, bytes, changed: false }
@@ -296,12 +296,12 @@ mod tests {
         let (mut tags, mut moved) = (tags(), Vec::new());
         tags.access(LineAddr(0), &mut moved);
         // 20 bytes of metadata: granules 0 and 1. The first line's entry is in granule 0 alone.
-        assert_eq!(moved, [Moved::Read(0), Moved::Read(1), Moved::Found(0)]);
+        assert_eq!(moved, [GranuleEvent::Read(0), GranuleEvent::Read(1), GranuleEvent::Found(0)]);
         moved.clear();
         tags.access(LineAddr(1), &mut moved);
-        assert_eq!(moved[..2], [Moved::Found(1), Moved::Read(2)]);
+        assert_eq!(moved[..2], [GranuleEvent::Found(1), GranuleEvent::Read(2)]);
         // Line 0 is resident, bit 32, and 38 is the check bit of that remainder.
-        assert!(matches!(&moved[2], Moved::WrittenBack(0, bytes) if bytes[..5] == [0, 0, 0, 0, 0x41]));
+        assert!(matches!(&moved[2], GranuleEvent::WrittenBack(0, bytes) if bytes[..5] == [0, 0, 0, 0, 0x41]));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The hard cases of `accuracy` as sessions of `saarcor-kd`.
 
 use saarcor_kit::kd::Kd;
-use saarcor_kit::kd::scene::Made;
+use saarcor_kit::kd::generated_scene::GeneratedScene;
 use saarcor_kit::session::Session;
 use saarcor_random::Random;
 use saarcor_studies::accuracy::suites::{SUITES, Suite};
@@ -33,7 +33,7 @@ pub fn named(name: &str, seed: u64) -> Vec<Session> {
 fn of_suite(suite: &Suite, seed: u64) -> Vec<Session> {
     let case = |number: u64| {
         let case = suite.case(seed, number);
-        (Made::new(&case.triangles, &mut Random::new(number)), case.ray)
+        (GeneratedScene::new(&case.triangles, &mut Random::new(number)), case.ray)
     };
     let cases: Vec<_> = (0..CASES).map(case).collect();
     let session = |config: &str| {
@@ -50,23 +50,24 @@ mod tests {
     use super::*;
     use saarcor_kit::dut::InProcess;
     use saarcor_kit::kind::{Kind as _, Oracle};
-    use saarcor_kit::report::Verdict;
-    use saarcor_kit::run::{Options, Planned, run};
+    use saarcor_kit::plan::{Options, PlannedSession};
+    use saarcor_kit::report::ConformanceVerdict;
+    use saarcor_kit::run::run;
 
     /// Exact answers are right within every bound, and the model's are.
     #[test]
     fn hard_cases_are_legal_and_the_oracles_pass_them() {
         let sessions = all(3);
         for session in &sessions {
-            assert_eq!(Kd.check(session), Ok(()), "{}", session.name);
+            Kd.check(session).expect(&session.name);
         }
         let planned: Vec<_> =
-            sessions.into_iter().map(|session| Planned::Directed(Box::new(session))).collect();
+            sessions.into_iter().map(|session| PlannedSession::Directed(Box::new(session))).collect();
         for oracle in [Oracle::Model, Oracle::Naive] {
             let dut = InProcess::oracle(oracle);
             let report = run("oracle", &dut, &Kd, &planned, &Options::default(), &|_| ()).expect("it runs");
             let failures: Vec<_> = report.failures.iter().map(|failure| failure.text()).collect();
-            assert_eq!(report.verdict, Verdict::Conforms, "{oracle:?} {}", failures.join("\n"));
+            assert_eq!(report.verdict, ConformanceVerdict::Conforms, "{oracle:?} {}", failures.join("\n"));
         }
     }
 }

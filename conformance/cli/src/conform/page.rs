@@ -2,14 +2,14 @@
 
 use super::text::{notes, tables, verdict};
 use crate::table::escaped;
-use saarcor_kit::report::{Failure, Report};
+use saarcor_kit::report::{ConformanceReport, Failure};
 use std::fmt::Write as _;
 
 const STYLE: &str = concat!(include_str!("../page.css"), include_str!("page.css"));
 
 /// The page.
 #[must_use]
-pub fn html(report: &Report) -> String {
+pub fn html(report: &ConformanceReport) -> String {
     let failures: String = report.failures.iter().map(section).collect();
     let mut sections = String::new();
     for (caption, table) in tables(report) {

@@ -1,14 +1,13 @@
 //! The report as text.
 
 use crate::table::{Column, Table};
-use saarcor_kit::check::Checked;
-use saarcor_kit::judge::Finding;
-use saarcor_kit::report::Report;
+use saarcor_kit::report::ConformanceReport;
+use saarcor_kit::scoreboard::{CheckedAnswers, Finding};
 use std::fmt::Write as _;
 
 /// The levels, the requirements and the coverage as tables, with their captions.
 #[must_use]
-pub fn tables(report: &Report) -> [(&'static str, Table); 3] {
+pub fn tables(report: &ConformanceReport) -> [(&'static str, Table); 3] {
     let mut levels = Table::new([Column::text("level"), Column::text("verdict")]);
     for row in &report.levels {
         levels.row([row.level.to_string(), row.verdict.text().to_owned()]);
@@ -27,14 +26,14 @@ pub fn tables(report: &Report) -> [(&'static str, Table); 3] {
 
 /// The verdict in a sentence.
 #[must_use]
-pub fn verdict(report: &Report) -> String {
+pub fn verdict(report: &ConformanceReport) -> String {
     let highest = report.highest.map_or("at no level".to_owned(), |level| format!("up to level {level}"));
     format!("{} ({}): {}; agrees {highest}", report.dut, report.kind, report.verdict.text())
 }
 
 /// What was held, in sentences.
 #[must_use]
-pub fn notes(report: &Report) -> Vec<String> {
+pub fn notes(report: &ConformanceReport) -> Vec<String> {
     let mut notes = vec![format!("{} sessions, {} requests", report.sessions, report.requests)];
     if report.random_seconds > 0.0 && report.random_requests > 0 {
         let rate = report.random_requests as f64 / report.random_seconds / 1e6;
@@ -55,7 +54,7 @@ pub fn notes(report: &Report) -> Vec<String> {
 
 /// The report as text.
 #[must_use]
-pub fn text(report: &Report) -> String {
+pub fn text(report: &ConformanceReport) -> String {
     let mut text = format!("{}\n\n", verdict(report));
     for (_, table) in tables(report) {
         let _ = writeln!(text, "{table}\n");
@@ -81,8 +80,8 @@ pub fn finding(finding: &Finding) -> String {
 
 /// What answers come to, in a sentence.
 #[must_use]
-pub fn checked(checked: &Checked, session: &str) -> String {
-    let Checked { answered, highest, unsupported, .. } = checked;
+pub fn checked(checked: &CheckedAnswers, session: &str) -> String {
+    let CheckedAnswers { answered, highest, unsupported, .. } = checked;
     match (unsupported, highest) {
         (Some(key), _) => format!("{session}: {key} is not supported"),
         (None, Some(level)) => format!("{session}: {answered} answers agree up to level {level}"),

@@ -7,19 +7,19 @@ use crate::status::Status;
 use anyhow::{Context, Result, bail, ensure};
 use clap::Subcommand;
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
-use saarcor_kit::check::check;
 use saarcor_kit::kd::Kd;
 use saarcor_kit::kind::Kind;
+use saarcor_kit::kinds::{KINDS, kind_named};
 use saarcor_kit::level::Level;
-use saarcor_kit::report::{Report, Verdict};
-use saarcor_kit::run::{
-    ERRORS, Options, Planned, RANDOM_REQUESTS, default_suite, kind_of, run, sessions_named,
-};
+use saarcor_kit::plan::{ERRORS, Options, PlannedSession, RANDOM_REQUESTS, default_suite, sessions_named};
+use saarcor_kit::report::{ConformanceReport, ConformanceVerdict};
+use saarcor_kit::run::{kind_of, run};
+use saarcor_kit::scoreboard::check_answers;
 use saarcor_kit::session::Session;
-use saarcor_kit::target::{How, Target, shell_word as quoted};
+use saarcor_kit::target::{Target, TargetOptions, shell_word as quoted};
 use saarcor_kit::templates::{TEMPLATES, faults};
 use saarcor_kit::vm::{Vm, trace};
-use saarcor_kit::{KINDS, child, kind_named, library};
+use saarcor_kit::{process, shared_library};
 use saarcor_studies::accuracy::suites::SUITES;
 use saarcor_studies::names::nearest;
 use std::fs;
@@ -126,7 +126,7 @@ impl RunArgs {
         let program = std::env::current_exe().context("the path of this program")?;
         let target = Target::open(
             &self.dut,
-            &How {
+            &TargetOptions {
                 time_limit: self.time_limit,
                 takes_library: self.library,
                 library_server: format!("{} conform serve-library", quoted(&program.display().to_string())),
@@ -139,10 +139,10 @@ impl RunArgs {
                 writeln!(std::io::stderr(), "saarcor: {}: needs {missing}, not found in the path", self.dut);
             return Ok(Status::Incomplete);
         }
-        child::adopt_strays();
-        child::kill_all_when_ended()?;
-        let report = target.build().and_then(|()| self.report(&target, named, progress));
-        child::kill_strays();
+        process::adopt_strays();
+        process::kill_all_when_ended()?;
+        let report = target.build().map_err(Into::into).and_then(|()| self.report(&target, named, progress));
+        process::kill_strays();
         let mut report = report?;
         self.keep_minimal(&mut report)?;
         if let Some(file) = junit {
@@ -161,9 +161,9 @@ impl RunArgs {
         }
         out.finish()?;
         Ok(match report.verdict {
-            Verdict::Conforms => Status::Holds,
-            Verdict::DoesNotConform => Status::Disproved,
-            Verdict::Incomplete => Status::Incomplete,
+            ConformanceVerdict::Conforms => Status::Holds,
+            ConformanceVerdict::DoesNotConform => Status::Disproved,
+            ConformanceVerdict::Incomplete => Status::Incomplete,
         })
     }
 
@@ -176,7 +176,7 @@ impl RunArgs {
         target: &Target,
         named: Vec<(&'static dyn Kind, Vec<Session>)>,
         progress: &Progress,
-    ) -> Result<Report> {
+    ) -> Result<ConformanceReport> {
         let dut = &*target.dut;
         let kind = match self.kind.as_deref().and_then(kind_named).or(target.kind) {
             Some(kind) => kind,
@@ -207,22 +207,24 @@ impl RunArgs {
                 of.name(),
                 kind.name()
             );
-            planned.extend(sessions.into_iter().map(|session| Planned::Directed(Box::new(session))));
+            planned.extend(sessions.into_iter().map(|session| PlannedSession::Directed(Box::new(session))));
         }
         if planned.is_empty() {
             planned = default_suite(kind, &options)?;
             if kind.name() == Kd.name() {
                 let sessions = hard::all(self.seed).into_iter();
-                planned.extend(sessions.map(|session| Planned::Directed(Box::new(session))));
+                planned.extend(sessions.map(|session| PlannedSession::Directed(Box::new(session))));
             }
         }
-        progress.during(&format!("{} sessions of {}", planned.len(), kind.name()), |report| {
-            run(&self.dut, dut, kind, &planned, &options, report)
-        })
+        let report = progress
+            .during(&format!("{} sessions of {}", planned.len(), kind.name()), |report| {
+                run(&self.dut, dut, kind, &planned, &options, report)
+            })?;
+        Ok(report)
     }
 
     /// Writes the shortest sessions that fail, and the commands that run them again.
-    fn keep_minimal(&self, report: &mut Report) -> Result<()> {
+    fn keep_minimal(&self, report: &mut ConformanceReport) -> Result<()> {
         for (failure, number) in report.failures.iter_mut().zip(1..) {
             fs::create_dir_all(&self.keep)
                 .with_context(|| format!("{}: cannot be made", self.keep.display()))?;
@@ -255,7 +257,7 @@ fn named(name: &str, requests: usize) -> Result<(&'static dyn Kind, Vec<Session>
             bail!("{error}: did you mean '{near}'?");
         }
     }
-    sessions_named(name, requests)
+    Ok(sessions_named(name, requests)?)
 }
 
 /// The sessions of a trace.
@@ -280,7 +282,7 @@ impl ServeLibraryArgs {
         // A path without a folder would be looked for where the system keeps its libraries.
         let path = fs::canonicalize(&self.library)
             .with_context(|| format!("{}: cannot be read", self.library.display()))?;
-        library::serve(&path, std::io::stdin().lock(), std::io::stdout().lock())?;
+        shared_library::serve(&path, std::io::stdin().lock(), std::io::stdout().lock())?;
         Ok(Status::Holds)
     }
 }
@@ -347,7 +349,7 @@ impl CheckArgs {
             answers = fs::read(&self.answers)
                 .with_context(|| format!("{}: cannot be read", self.answers.display()))?;
         }
-        let checked = check(kind, &session, &answers, self.level);
+        let checked = check_answers(kind, &session, &answers, self.level);
         let mut out = Stdout::new();
         for finding in &checked.findings {
             if self.json {

@@ -1,6 +1,6 @@
 //! The virtual memory of the SaarCOR chip, for the conformance kit in process.
 
-use saarcor_kit::serve::Unsupported;
+use saarcor_kit::error::Error;
 use saarcor_kit::vm::cache::{Access, Cache, Outcome};
 use saarcor_model::vm::{CacheConfig, CardAddr, Hash, HostAddr, Policy};
 use std::collections::HashMap;
@@ -25,7 +25,7 @@ pub struct MyCache {
 }
 
 /// An empty cache.
-pub fn make(config: &CacheConfig) -> Result<Box<dyn Cache>, Unsupported> {
+pub fn make(config: &CacheConfig) -> Result<Box<dyn Cache>, Error> {
     let lines = config.geometry.lines() as usize;
     let slots = std::iter::repeat_with(|| None).take(lines).collect();
     Ok(Box::new(MyCache {

@@ -1,18 +1,18 @@
 //! Compares the answers of `saarcor-chip` with the model's.
 
+use super::oracle::ChipOracle;
 use super::request::{Answer, Observes, Request};
-use super::served::ChipServed;
-use crate::kind::{Comparison, Difference, Oracle};
+use crate::comparison::{Comparison, Difference, Expected};
+use crate::error::Error;
+use crate::kind::Oracle;
 use crate::level::Level;
-use crate::serve::Served as _;
 use crate::session::Session;
 use saarcor_model::time::{CacheReport, UNIT_NAMES};
 
 /// The comparison of one session.
 pub struct ChipComparison {
     observes: Observes,
-    model: ChipServed,
-    expected: Vec<u8>,
+    expected: Expected<ChipOracle>,
 }
 
 /// What is counted: its name, the right number, the implementation's, and the requirement that says it.
@@ -23,9 +23,9 @@ impl ChipComparison {
     ///
     /// # Errors
     /// What is wrong with the list or the configuration.
-    pub fn new(session: &Session, observes: &str) -> Result<Self, String> {
-        let model = ChipServed::new(Oracle::Model, session.config()).map_err(|wrong| wrong.0)?;
-        Ok(Self { observes: Observes::parse(observes)?, model, expected: Vec::new() })
+    pub fn new(session: &Session, observes: &str) -> Result<Self, Error> {
+        let model = ChipOracle::new(Oracle::Model, session.config())?;
+        Ok(Self { observes: Observes::parse(observes)?, expected: Expected::new(model) })
     }
 }
 
@@ -95,18 +95,16 @@ impl Comparison for ChipComparison {
         request: &[u8],
         answer: &[u8],
         found: &mut dyn FnMut(Difference),
-    ) -> Result<(), String> {
-        self.expected.clear();
-        self.model.answer(request, &mut self.expected)?;
-        if self.expected == answer {
+    ) -> Result<(), Error> {
+        if self.expected.equals(request, answer)? {
             return Ok(());
         }
         if Request::parse(request)? != Request::Run {
-            return Err("'ok' is right".to_owned());
+            return Err("'ok' is right".into());
         }
-        let right = Answer::parse(&self.expected, Observes::ALL)?;
+        let right = Answer::parse(self.expected.answer(), Observes::ALL)?;
         let got = Answer::parse(answer, self.observes)?;
-        let setting = &self.model.setting;
+        let setting = &self.expected.model.setting;
         // Where threads meet, what moves depends on when, and so it may be off where the cycles may.
         let tolerance = if setting.is_sequential() { 0 } else { setting.tolerance };
         let differs = |(_, (_, right, got, _)): &(String, Count)| !agree(*right, *got, tolerance);
@@ -130,7 +128,7 @@ impl Comparison for ChipComparison {
     }
 
     fn expected(&self) -> &[u8] {
-        &self.expected
+        self.expected.answer()
     }
 }
 
@@ -151,7 +149,7 @@ mod tests {
         let session = Session::new("x", "saarcor-chip 1", config, b"");
         let mut comparison = ChipComparison::new(&session, "cycles,pci,mem,l1,l2").expect("a chip");
         comparison.compare(packet, b"ok", &mut |_| ()).expect("the form is right");
-        let right = Answer::of(&comparison.model.play(&mut ()));
+        let right = Answer::of(&comparison.expected.model.play(&mut ()));
         let mut levels = Vec::new();
         let mut found = |difference: Difference| levels.push(difference.level);
         comparison.compare(b"run", wrong(right).as_bytes(), &mut found).expect("the form is right");

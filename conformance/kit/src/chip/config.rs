@@ -1,7 +1,9 @@
 //! The configuration of `saarcor-chip`: the numbers of the chip by short names, each left out where
 //! it is the standard chip's.
 
-use crate::vm::config::{self, Choices, name_of, named};
+use crate::error::Error;
+use crate::vm::config;
+use crate::words::{Choices, Values, name_of};
 use saarcor_model::time::standard::{self, CHIP_CACHE_WAYS};
 use saarcor_model::time::{ChipConfig, Version};
 use saarcor_model::vm::{CacheConfig, Geometry, Hash, HostAddr, Policy};
@@ -115,9 +117,9 @@ impl Setting {
     }
 }
 
-/// Keys and values.
+/// The words of a configuration as keys and values.
 fn words(text: &str) -> impl Iterator<Item = (&str, &str)> {
-    text.split_ascii_whitespace().map(|word| word.split_once('=').unwrap_or((word, "")))
+    text.split_ascii_whitespace().filter_map(|word| word.split_once('='))
 }
 
 /// The keys of a configuration.
@@ -129,38 +131,26 @@ pub fn keys() -> impl Iterator<Item = &'static str> {
 ///
 /// # Errors
 /// The key that is wrong, and what would be right.
-pub fn parse(text: &str) -> Result<Setting, String> {
-    let mut all: Vec<(&str, &str)> = words(&STANDARD).collect();
-    let mut given = Vec::new();
-    for (key, value) in words(text) {
-        let known = all.iter_mut().find(|(known, _)| *known == key);
-        let keys = || keys().collect::<Vec<_>>().join(", ");
-        known.ok_or_else(|| format!("'{key}': the keys are {}", keys()))?.1 = value;
-        if given.contains(&key) {
-            return Err(format!("{key} stands there twice"));
-        }
-        given.push(key);
+pub fn parse(text: &str) -> Result<Setting, Error> {
+    let keys: Vec<_> = keys().collect();
+    let given = Values::parse(text, &keys)?;
+    if let Some(key) = given.twice() {
+        return Err(format!("{key} stands there twice").into());
     }
-    let of = |keys: &[&str]| {
-        let words = all.iter().filter(|(key, _)| keys.contains(key));
-        words.map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>().join(" ")
-    };
-    let cache = config::parse(&of(&["line", "lines", "ways", "hash", "policy"]))?;
-    let chip = ChipConfig::standard(Version::None, cache);
+    let values = given.or(Values::parse(&STANDARD, &keys)?);
+    let cache = config::cache_of(&values)?;
+    let chip = ChipConfig::standard(values.named("version", VERSIONS)?, cache);
     let mut setting = Setting { chip, meta_sets: 0, triangles: HostAddr(0), tolerance: 0 };
-    for (key, value) in all {
-        let wrong = |right: String| format!("{key}={value}: {right}");
-        if key == "version" {
-            setting.chip.version = named(VERSIONS, value).map_err(wrong)?;
-        } else if let Some(number) = setting.number(key) {
-            *number = value.parse().map_err(|_| wrong("write a decimal number".to_owned()))?;
+    for key in keys {
+        if let Some(number) = setting.number(key) {
+            *number = values.number(key)?;
             let most = match key {
                 "triangles" => u32::MAX,
                 "tolerance" => MAX_TOLERANCE,
                 _ => MAX_NUMBER,
             };
             if *number > most {
-                return Err(wrong(format!("it must be at most {most}")));
+                return Err(format!("{key}={number}: it must be at most {most}").into());
             }
         }
     }
@@ -237,7 +227,7 @@ mod tests {
     fn standard_is_the_models() {
         let setting = parse("").expect("the standard chip");
         assert_eq!(setting.chip, ChipConfig::standard(Version::A, setting.chip.cache));
-        assert_eq!((text(&setting).as_str(), parse(&STANDARD)), ("version=a", Ok(setting)));
+        assert_eq!((text(&setting).as_str(), parse(&STANDARD).ok()), ("version=a", Some(setting)));
         assert!(
             include_str!("../../../PROTOCOL.md")
                 .split_whitespace()
@@ -249,14 +239,14 @@ mod tests {
     #[test]
     fn configurations_read_back() {
         for config in ["pipelines=1 threads=2", "version=b lines=16 meta-sets=1", "t-line=8 tolerance=20"] {
-            assert_eq!(parse(config).map(|setting| text(&setting)), Ok(config.to_owned()));
+            assert_eq!(text(&parse(config).expect(config)), config);
         }
         assert_eq!(with_tolerance("threads=2 tolerance=5", 7), "threads=2 tolerance=7");
         assert_eq!(with_tolerance("threads=2 tolerance=5", 0), "threads=2");
     }
 
     #[test]
-    fn what_is_no_configuration_is_told() {
+    fn wrong_configurations_are_refused() {
         for (config, says) in [
             ("thread=1", "the keys are pipelines"),
             ("threads=1 threads=2", "twice"),
@@ -271,7 +261,7 @@ mod tests {
             ("line=32", "line of a first-level cache"),
             ("version=b granule=4096 meta-sets=65536", "metadata cache"),
         ] {
-            let error = parse(config).expect_err(config);
+            let error = parse(config).expect_err(config).to_string();
             assert!(error.contains(says), "{config}: {error}");
         }
     }

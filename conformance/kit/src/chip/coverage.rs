@@ -2,9 +2,10 @@
 //! rows of the memory chips.
 
 use super::config::Setting;
+use super::oracle::ChipOracle;
 use super::request::Request;
-use super::served::ChipServed;
-use crate::kind::{Coverage, Covered, Oracle};
+use crate::coverage::{Coverage, CoverageCount};
+use crate::kind::Oracle;
 use crate::session::Session;
 use saarcor_fast::chip::{ChipObserver, Traffic};
 use saarcor_fast::sdram::Span;
@@ -17,7 +18,7 @@ const FOUND: usize = 3;
 const READ: usize = 4;
 /// How the row of a request is found: closed from the begin on, open, another one open, closed by a refresh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Row {
+enum RowState {
     Closed,
     Open,
     Another,
@@ -27,12 +28,12 @@ const ROWS: usize = 4;
 
 /// What was reached: a set of cases for each row of the report.
 #[derive(Clone, Debug, Default)]
-pub struct Reached {
+pub struct ChipCoverage {
     stalls: BTreeSet<(usize, usize)>,
     look_ups: BTreeSet<(usize, usize)>,
     parts: BTreeSet<(usize, usize)>,
     traffic: BTreeSet<(usize, usize)>,
-    rows: BTreeSet<(bool, Row)>,
+    rows: BTreeSet<(bool, RowState)>,
     in_two_rows: BTreeSet<bool>,
     bus: BTreeSet<bool>,
     operations: BTreeSet<(usize, usize)>,
@@ -41,8 +42,8 @@ pub struct Reached {
 }
 
 /// What moves in a run.
-struct Moves<'a> {
-    reached: &'a mut Reached,
+struct RunObserver<'a> {
+    reached: &'a mut ChipCoverage,
     chip: ChipConfig,
     open: Vec<Option<u64>>,
     /// Banks whose row a refresh has closed.
@@ -52,21 +53,21 @@ struct Moves<'a> {
     bus_free: u64,
 }
 
-impl Moves<'_> {
+impl RunObserver<'_> {
     fn row(&mut self, row: u64, write: bool) {
         let banks = u64::from(self.chip.sdram.banks);
         let (bank, row) = ((row % banks) as usize, row / banks);
         let found = match self.open[bank].replace(row) {
-            Some(open) if open == row => Row::Open,
-            Some(_) => Row::Another,
-            None if std::mem::take(&mut self.refreshed[bank]) => Row::Refreshed,
-            None => Row::Closed,
+            Some(open) if open == row => RowState::Open,
+            Some(_) => RowState::Another,
+            None if std::mem::take(&mut self.refreshed[bank]) => RowState::Refreshed,
+            None => RowState::Closed,
         };
         self.reached.rows.insert((write, found));
     }
 }
 
-impl ChipObserver for Moves<'_> {
+impl ChipObserver for RunObserver<'_> {
     fn transfer(&mut self, _: u32, traffic: Traffic, span: Span, _: u64) {
         self.reached.traffic.insert((self.chip.version as usize, traffic as usize));
         if traffic == Traffic::Pci {
@@ -99,7 +100,7 @@ fn found(cache: &CacheReport) -> impl Iterator<Item = usize> {
     (0..FOUND).filter(move |&found| counts[found] > 0)
 }
 
-impl Reached {
+impl ChipCoverage {
     fn operation(&mut self, setting: &Setting, operation: &Operation) {
         let &Operation { addr, bytes, rays, unit } = operation;
         let size = u64::from(setting.chip.l1[unit as usize].line);
@@ -121,11 +122,11 @@ impl Reached {
         self.operations.insert((unit as usize, read));
     }
 
-    fn run(&mut self, model: &ChipServed, warm: bool) {
+    fn run(&mut self, model: &ChipOracle, warm: bool) {
         let chip = model.setting.chip;
         let version = chip.version as usize;
         let banks = chip.sdram.banks as usize;
-        let mut moves = Moves {
+        let mut moves = RunObserver {
             reached: self,
             chip,
             open: vec![None; banks],
@@ -146,9 +147,9 @@ impl Reached {
     }
 }
 
-impl Coverage for Reached {
+impl Coverage for ChipCoverage {
     fn add(&mut self, session: &Session) {
-        let Ok(mut model) = ChipServed::new(Oracle::Model, session.config()) else { return };
+        let Ok(mut model) = ChipOracle::new(Oracle::Model, session.config()) else { return };
         let mut warm = false;
         for request in session.requests().filter_map(|request| Request::parse(request).ok()) {
             for operation in request.operations() {
@@ -164,8 +165,9 @@ impl Coverage for Reached {
         }
     }
 
-    fn rows(&self) -> Vec<Covered> {
-        let row = |what: &str, reached: usize, all: usize| Covered { what: what.to_owned(), reached, all };
+    fn counts(&self) -> Vec<CoverageCount> {
+        let row =
+            |what: &str, reached: usize, all: usize| CoverageCount { what: what.to_owned(), reached, all };
         let (units, versions) = (4, 3);
         vec![
             row("units × why they wait", self.stalls.len(), units * Stall::ALL.len()),

@@ -4,30 +4,30 @@
 mod compare;
 pub mod config;
 mod coverage;
+mod oracle;
 mod random;
 pub mod request;
-mod served;
-mod simpler;
+mod shrink;
 
-use crate::kind::{Comparison, Coverage, Kind, Oracle};
+use crate::comparison::Comparison;
+use crate::coverage::Coverage;
+use crate::error::Error;
+use crate::implementation::Implementation;
+use crate::kind::{Kind, Oracle};
 use crate::level::Level;
-use crate::serve::{Served, Unsupported};
 use crate::session::Session;
 use crate::suites;
+use oracle::ChipOracle;
 use request::Request;
 use saarcor_fast::chip::{ChipObserver, Traffic};
 use saarcor_fast::sdram::Span;
-use served::ChipServed;
+use std::borrow::Cow;
 
 /// The kind `saarcor-chip`.
 #[derive(Clone, Copy, Debug)]
 pub struct Chip;
 
 impl Kind for Chip {
-    fn name(&self) -> &'static str {
-        "saarcor-chip"
-    }
-
     fn hello(&self) -> &'static str {
         "saarcor-chip 1"
     }
@@ -40,28 +40,25 @@ impl Kind for Chip {
         suites::CHIP
     }
 
-    fn random(&self, seed: u64, requests: usize) -> Session {
-        let config = random::config_of(seed);
-        let name = format!("{}/random/{seed}", self.prefix());
-        Session::new(&name, self.hello(), &config, &random::requests(&config, seed, requests))
+    fn random_config(&self, seed: u64) -> Cow<'static, str> {
+        random::config_of(seed).into()
+    }
+
+    fn random_requests(&self, config: &str, seed: u64, count: usize) -> Vec<u8> {
+        random::requests(config, seed, count)
     }
 
     fn with_tolerance(&self, session: Session, tolerance: u32) -> Session {
         session.with_config(&config::with_tolerance(session.config(), tolerance))
     }
 
-    fn check(&self, session: &Session) -> Result<(), String> {
-        let setting = config::parse(session.config()).map_err(|wrong| format!("config: {wrong}"))?;
-        for (request, number) in session.requests().zip(1..) {
-            let wrong =
-                |right: &str| format!("request {number}, '{}': {right}", String::from_utf8_lossy(request));
-            Request::parse(request).and_then(|request| request.fits(&setting)).map_err(wrong)?;
-        }
-        Ok(())
+    fn check(&self, session: &Session) -> Result<(), Error> {
+        let setting = config::parse(session.config()).map_err(Error::in_config)?;
+        session.check_requests(|request| Request::parse(request)?.fits(&setting))
     }
 
-    fn oracle(&self, oracle: Oracle, config: &str) -> Result<Box<dyn Served>, Unsupported> {
-        Ok(Box::new(ChipServed::new(oracle, config)?))
+    fn oracle(&self, oracle: Oracle, config: &str) -> Result<Box<dyn Implementation>, Error> {
+        Ok(Box::new(ChipOracle::new(oracle, config)?))
     }
 
     fn keys(&self) -> Vec<&'static str> {
@@ -72,7 +69,7 @@ impl Kind for Chip {
         &self,
         session: &'a Session,
         observes: &str,
-    ) -> Result<Box<dyn Comparison + 'a>, String> {
+    ) -> Result<Box<dyn Comparison + 'a>, Error> {
         Ok(Box::new(compare::ChipComparison::new(session, observes)?))
     }
 
@@ -81,24 +78,24 @@ impl Kind for Chip {
     }
 
     fn simpler_requests(&self, _session: &Session, request: &[u8]) -> Vec<String> {
-        simpler::requests(request).iter().map(Request::to_string).collect()
+        shrink::requests(request).iter().map(Request::to_string).collect()
     }
 
     /// One packet simplified, as long as one can be.
     fn simpler_sessions(&self, session: &Session) -> Vec<Session> {
-        simpler::sessions(session)
+        shrink::sessions(session)
     }
 
     /// What moves in the model, and when.
     fn state_before(&self, session: &Session, request: usize) -> Vec<String> {
-        let Ok(mut model) = ChipServed::new(Oracle::Model, session.config()) else { return Vec::new() };
+        let Ok(mut model) = ChipOracle::new(Oracle::Model, session.config()) else { return Vec::new() };
         if session.requests().nth(request) != Some(b"run") {
             return Vec::new();
         }
         session.requests().take(request).filter_map(|line| Request::parse(line).ok()).for_each(|request| {
             model.change(request);
         });
-        let mut moved = Moved::default();
+        let mut moved = TransferLog::default();
         let report = model.play(&mut moved);
         let more = moved.0.len().saturating_sub(SHOWN);
         moved.0.truncate(SHOWN);
@@ -108,7 +105,7 @@ impl Kind for Chip {
     }
 
     fn coverage(&self) -> Box<dyn Coverage> {
-        Box::<coverage::Reached>::default()
+        Box::<coverage::ChipCoverage>::default()
     }
 }
 
@@ -117,9 +114,9 @@ const SHOWN: usize = 32;
 
 /// The transfers of a run, for a person.
 #[derive(Default)]
-struct Moved(Vec<String>);
+struct TransferLog(Vec<String>);
 
-impl ChipObserver for Moved {
+impl ChipObserver for TransferLog {
     fn transfer(&mut self, _: u32, traffic: Traffic, span: Span, bytes: u64) {
         let what = match traffic {
             Traffic::L1Fill => "from the on-board memory to a first-level cache",

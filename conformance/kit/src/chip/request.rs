@@ -1,8 +1,10 @@
 //! Requests and answers of `saarcor-chip`.
 
 use super::config::{Setting, UNITS};
+use crate::error::Error;
 use crate::hex;
 use crate::vm::request::END_OF_ADDRESSES;
+use crate::words::observed_names;
 use saarcor_model::time::standard::PACKET_RAYS;
 use saarcor_model::time::{CacheReport, Operation, TimingReport};
 use saarcor_model::vm::{HostAddr, Unit};
@@ -29,7 +31,7 @@ impl Request {
     ///
     /// # Errors
     /// What would be right.
-    pub fn parse(line: &[u8]) -> Result<Self, &'static str> {
+    pub fn parse(line: &[u8]) -> Result<Self, Error> {
         let mut words = line.split(|&byte| byte == b' ');
         let name = words.next().unwrap_or_default();
         let right = "an operation is UNIT,ADDR,BYTES,RAYS: s, n, l or t and hex, with bytes or up to 40 rays";
@@ -40,9 +42,9 @@ impl Request {
             b"p" => Self::Packet(operations(&mut words)?),
             b"run" => Self::Run,
             b"flush" => Self::Flush,
-            _ => return Err("the requests are b, p, run, flush, end"),
+            _ => return Err("the requests are b, p, run, flush, end".into()),
         };
-        if words.next().is_some() { Err("too many words") } else { Ok(request) }
+        if words.next().is_some() { Err("too many words".into()) } else { Ok(request) }
     }
 
     /// The operations of a packet.
@@ -69,12 +71,12 @@ impl Request {
     ///
     /// # Errors
     /// What would be right.
-    pub fn fits(&self, setting: &Setting) -> Result<(), &'static str> {
+    pub fn fits(&self, setting: &Setting) -> Result<(), Error> {
         let before = |operation: &Operation| {
             operation.unit == Unit::Intersection && operation.bytes > 0 && operation.addr < setting.triangles
         };
         let wrong = self.operations().iter().any(before);
-        if wrong { Err("triangles lie at the address 'triangles' or behind it") } else { Ok(()) }
+        if wrong { Err("triangles lie at the address 'triangles' or behind it".into()) } else { Ok(()) }
     }
 }
 
@@ -131,19 +133,10 @@ impl Observes {
     ///
     /// # Errors
     /// What would be right.
-    pub fn parse(list: &str) -> Result<Self, String> {
-        let mut observes = Self { cycles: false, pci: false, mem: false, l1: false, l2: false };
-        for name in list.split(',') {
-            match name {
-                "cycles" => observes.cycles = true,
-                "pci" => observes.pci = true,
-                "mem" => observes.mem = true,
-                "l1" => observes.l1 = true,
-                "l2" => observes.l2 = true,
-                _ => return Err(format!("'{name}' is none of cycles, pci, mem, l1, l2")),
-            }
-        }
-        Ok(observes)
+    pub fn parse(list: &str) -> Result<Self, Error> {
+        let names = ["cycles", "pci", "mem", "l1", "l2"];
+        let [cycles, pci, mem, l1, l2] = observed_names(names, list)?;
+        Ok(Self { cycles, pci, mem, l1, l2 })
     }
 }
 
@@ -185,10 +178,10 @@ impl Answer {
     ///
     /// # Errors
     /// What would be right.
-    pub fn parse(line: &[u8], observes: Observes) -> Result<Self, String> {
+    pub fn parse(line: &[u8], observes: Observes) -> Result<Self, Error> {
         let words: Vec<&[u8]> = line.split(|&byte| byte == b' ').filter(|word| !word.is_empty()).collect();
         let [b"c", cycles, pci, mem, l1, l2] = words[..] else {
-            return Err("'c CYCLES PCI MEM L1 L2' is right, with '-' for what is not observed".to_owned());
+            return Err("'c CYCLES PCI MEM L1 L2' is right, with '-' for what is not observed".into());
         };
         let bytes = |word: &[u8]| numbers(word, b',', hex::number);
         let look_ups = |word: &[u8]| {
@@ -219,9 +212,9 @@ fn observed<T>(
     word: &[u8],
     form: &str,
     read: impl Fn(&[u8]) -> Option<T>,
-) -> Result<Option<T>, String> {
+) -> Result<Option<T>, Error> {
     match is_observed {
-        true => read(word).map(Some).ok_or_else(|| format!("{form}; it is observed")),
+        true => read(word).map(Some).ok_or_else(|| format!("{form}; it is observed").into()),
         false => Ok(None),
     }
 }
@@ -261,10 +254,8 @@ mod tests {
     #[test]
     fn requests_read_back() {
         for text in ["b s,0,0,40", "p n,1f8,8,3 t,ffffffff,1,0", "p", "run", "flush"] {
-            assert_eq!(
-                Request::parse(text.as_bytes()).map(|request| request.to_string()),
-                Ok(text.to_owned())
-            );
+            let request = Request::parse(text.as_bytes()).expect(text);
+            assert_eq!(request.to_string(), text);
         }
         for text in [
             "",
@@ -290,10 +281,10 @@ mod tests {
         let mut text = Vec::new();
         push_answer(&mut text, &report);
         assert_eq!(String::from_utf8_lossy(&text), "c 2a 80 0,80,0,0 0/0/0,0/0/0,0/0/0,0/0/0 0/0/0");
-        assert_eq!(Answer::parse(&text, Observes::ALL), Ok(Answer::of(&report)));
+        assert_eq!(Answer::parse(&text, Observes::ALL).ok(), Some(Answer::of(&report)));
         let cycles = Observes::parse("cycles").expect("a list");
         let none = Answer { cycles: Some(0x2a), pci: None, mem: None, l1: None, l2: None };
-        assert_eq!(Answer::parse(b"c 2a - - - -", cycles), Ok(none));
+        assert_eq!(Answer::parse(b"c 2a - - - -", cycles).ok(), Some(none));
         for text in ["ok", "c 2a - - -", "c - - - - -", "c 0x2a - - - -", "c 2a 0 - - - 0"] {
             assert!(Answer::parse(text.as_bytes(), cycles).is_err(), "{text}");
         }

@@ -1,19 +1,19 @@
 //! Compares the answers of `saarcor-kd` with the model's, and what differs with what is true.
 
+use super::oracle::KdOracle;
 use super::request::{Answer, Observes, Request};
-use super::served::KdServed;
 use super::truth::Truth;
-use crate::kind::{Comparison, Difference, Oracle};
+use crate::comparison::{Comparison, Difference, Expected};
+use crate::error::Error;
+use crate::kind::Oracle;
 use crate::level::Level;
-use crate::serve::Served as _;
 use crate::session::Session;
 use saarcor_model::rays::{Query, Ray};
 
 /// The comparison of one session.
 pub struct KdComparison {
     observes: Observes,
-    model: KdServed,
-    expected: Vec<u8>,
+    expected: Expected<KdOracle>,
 }
 
 impl KdComparison {
@@ -21,21 +21,21 @@ impl KdComparison {
     ///
     /// # Errors
     /// What is wrong with the list or the configuration.
-    pub fn new(session: &Session, observes: &str) -> Result<Self, String> {
-        let model = KdServed::new(Oracle::Model, session.config()).map_err(|wrong| wrong.0)?;
-        Ok(Self { observes: Observes::parse(observes)?, model, expected: Vec::new() })
+    pub fn new(session: &Session, observes: &str) -> Result<Self, Error> {
+        let model = KdOracle::new(Oracle::Model, session.config())?;
+        Ok(Self { observes: Observes::parse(observes)?, expected: Expected::new(model) })
     }
 
-    /// Judges an answer to a ray that is not the model's to the letter.
-    fn judge(
+    /// Compares an answer to a ray that is not the model's byte for byte with what is true.
+    fn compare_ray(
         &mut self,
         (query, ray): (Query, Ray),
         answer: &[u8],
         found: &mut dyn FnMut(Difference),
-    ) -> Result<(), String> {
+    ) -> Result<(), Error> {
         let got = Answer::parse(answer, query, self.observes)?;
-        let right = Answer::parse(&self.expected, query, self.observes)?;
-        let (scene, _) = self.model.scene()?;
+        let right = Answer::parse(self.expected.answer(), query, self.observes)?;
+        let (scene, _) = self.expected.model.scene()?;
         let truth = Truth::new(scene, &ray);
         let checked = match query {
             Query::Closest => truth.check_closest(got.hit.as_ref()),
@@ -79,19 +79,17 @@ impl Comparison for KdComparison {
         request: &[u8],
         answer: &[u8],
         found: &mut dyn FnMut(Difference),
-    ) -> Result<(), String> {
-        self.expected.clear();
-        self.model.answer(request, &mut self.expected)?;
-        if answer == self.expected {
+    ) -> Result<(), Error> {
+        if self.expected.equals(request, answer)? {
             return Ok(());
         }
         match Request::parse(request)? {
-            Request::Trace(query, ray) => self.judge((query, ray), answer, found),
-            _ => Err("'ok' is right".to_owned()),
+            Request::Trace(query, ray) => self.compare_ray((query, ray), answer, found),
+            _ => Err("'ok' is right".into()),
         }
     }
 
     fn expected(&self) -> &[u8] {
-        &self.expected
+        self.expected.answer()
     }
 }

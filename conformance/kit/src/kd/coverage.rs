@@ -1,10 +1,11 @@
 //! Which cases of traversal and intersection sessions reach.
 
+use super::oracle::KdOracle;
 use super::request::Request;
-use super::served::KdServed;
+use super::scene_memory::LegalScene;
 use super::walk::{Step, reciprocals, steps};
-use super::world::Scene;
-use crate::kind::{Coverage, Covered, Oracle};
+use crate::coverage::{Coverage, CoverageCount};
+use crate::kind::Oracle;
 use crate::session::Session;
 use saarcor_model::host::{Axis, MAX_DEPTH};
 use saarcor_model::rays::{Children, Ray};
@@ -26,7 +27,7 @@ type PlaneCase = (usize, usize, usize);
 
 /// What was reached.
 #[derive(Clone, Debug, Default)]
-pub struct Reached {
+pub struct KdCoverage {
     planes: BTreeSet<PlaneCase>,
     leaves: BTreeSet<usize>,
     put_off: BTreeSet<usize>,
@@ -52,8 +53,8 @@ fn is_possible(course: usize, visited: Children) -> bool {
     }
 }
 
-impl Reached {
-    fn ray(&mut self, memory: &[u8], scene: &Scene, ray: &Ray) {
+impl KdCoverage {
+    fn ray(&mut self, memory: &[u8], scene: &LegalScene, ray: &Ray) {
         let reciprocals = reciprocals(scene, ray);
         for step in steps(memory, scene, ray) {
             match step {
@@ -86,9 +87,9 @@ impl Reached {
     }
 }
 
-impl Coverage for Reached {
+impl Coverage for KdCoverage {
     fn add(&mut self, session: &Session) {
-        let Ok(mut model) = KdServed::new(Oracle::Model, session.config()) else { return };
+        let Ok(mut model) = KdOracle::new(Oracle::Model, session.config()) else { return };
         for request in session.requests().filter_map(|request| Request::parse(request).ok()) {
             let Request::Trace(_, ray) = &request else {
                 model.change(&request);
@@ -100,22 +101,22 @@ impl Coverage for Reached {
         }
     }
 
-    fn rows(&self) -> Vec<Covered> {
+    fn counts(&self) -> Vec<CoverageCount> {
         let mut rows = Vec::new();
         for (course, name) in COURSES.iter().enumerate() {
             let children = VISITED.iter().filter(|visited| is_possible(course, **visited)).count();
-            rows.push(Covered {
+            rows.push(CoverageCount {
                 what: format!("axes × children of a ray that goes {name}"),
                 reached: self.planes.iter().filter(|(_, known, _)| *known == course).count(),
                 all: children * Axis::ALL.len(),
             });
         }
-        rows.push(Covered {
+        rows.push(CoverageCount {
             what: "what becomes of leaves and triangles".to_owned(),
             reached: self.leaves.len(),
             all: IN_LEAVES,
         });
-        rows.push(Covered {
+        rows.push(CoverageCount {
             what: format!("children put off at once: 1, up to 7, up to {}, {MAX_DEPTH}", MAX_DEPTH - 1),
             reached: self.put_off.len(),
             all: PUT_OFF.len() - 1,

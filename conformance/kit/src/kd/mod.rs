@@ -3,23 +3,27 @@
 pub mod bound;
 mod compare;
 mod coverage;
+pub mod generated_scene;
+mod oracle;
 mod random;
 pub mod request;
-pub mod scene;
-mod served;
+pub mod scene_memory;
 mod truth;
 mod walk;
-pub mod world;
 
-use crate::kind::{Comparison, Coverage, Kind, Oracle};
+use crate::comparison::Comparison;
+use crate::coverage::Coverage;
+use crate::error::Error;
+use crate::implementation::Implementation;
+use crate::kind::{Kind, Oracle};
 use crate::level::Level;
-use crate::serve::{Served, Unsupported};
 use crate::session::Session;
 use crate::suites;
+use generated_scene::GeneratedScene;
+use oracle::KdOracle;
 use request::{Request, push_ray};
 use saarcor_model::rays::{Query, Ray};
-use scene::Made;
-use served::KdServed;
+use std::borrow::Cow;
 
 /// The kind `saarcor-kd`.
 #[derive(Clone, Copy, Debug)]
@@ -28,11 +32,11 @@ pub struct Kd;
 impl Kd {
     /// A session of rays, each in a scene of its own.
     #[must_use]
-    pub fn session_of_cases(self, name: &str, config: &str, cases: &[(Made, Ray)]) -> Session {
+    pub fn session_of_cases(self, name: &str, config: &str, cases: &[(GeneratedScene, Ray)]) -> Session {
         let mut text = Vec::new();
-        for (made, ray) in cases {
+        for (scene, ray) in cases {
             text.extend_from_slice(b"flush\n");
-            text.extend(made.requests());
+            text.extend(scene.requests());
             push_ray(&mut text, Query::Closest, ray);
             push_ray(&mut text, Query::Any, ray);
         }
@@ -41,10 +45,6 @@ impl Kd {
 }
 
 impl Kind for Kd {
-    fn name(&self) -> &'static str {
-        "saarcor-kd"
-    }
-
     fn hello(&self) -> &'static str {
         "saarcor-kd 1"
     }
@@ -57,29 +57,28 @@ impl Kind for Kd {
         suites::KD
     }
 
-    fn random(&self, seed: u64, requests: usize) -> Session {
-        let name = format!("{}/random/{seed}", self.prefix());
-        Session::new(&name, self.hello(), &random::config_of(seed), &random::requests(seed, requests))
+    fn random_config(&self, seed: u64) -> Cow<'static, str> {
+        random::config_of(seed).into()
     }
 
-    /// Whether each ray has a legal scene.
-    fn check(&self, session: &Session) -> Result<(), String> {
-        let model = KdServed::new(Oracle::Model, session.config());
-        let mut model = model.map_err(|wrong| format!("config: {}", wrong.0))?;
-        for (line, number) in session.requests().zip(1..) {
-            let wrong =
-                |right: &str| format!("request {number}, '{}': {right}", String::from_utf8_lossy(line));
-            let request = Request::parse(line).map_err(wrong)?;
-            match request {
-                Request::Trace(..) => model.scene().map(|_| ()).map_err(|right| wrong(&right))?,
-                _ => model.change(&request),
+    fn random_requests(&self, _config: &str, seed: u64, count: usize) -> Vec<u8> {
+        random::requests(seed, count)
+    }
+
+    /// Checks that each ray has a legal scene.
+    fn check(&self, session: &Session) -> Result<(), Error> {
+        let mut model = KdOracle::new(Oracle::Model, session.config()).map_err(Error::in_config)?;
+        session.check_requests(|request| {
+            match Request::parse(request)? {
+                Request::Trace(..) => drop(model.scene()?),
+                other => model.change(&other),
             }
-        }
-        Ok(())
+            Ok(())
+        })
     }
 
-    fn oracle(&self, oracle: Oracle, config: &str) -> Result<Box<dyn Served>, Unsupported> {
-        Ok(Box::new(KdServed::new(oracle, config)?))
+    fn oracle(&self, oracle: Oracle, config: &str) -> Result<Box<dyn Implementation>, Error> {
+        Ok(Box::new(KdOracle::new(oracle, config)?))
     }
 
     fn keys(&self) -> Vec<&'static str> {
@@ -90,22 +89,13 @@ impl Kind for Kd {
         &self,
         session: &'a Session,
         observes: &str,
-    ) -> Result<Box<dyn Comparison + 'a>, String> {
+    ) -> Result<Box<dyn Comparison + 'a>, Error> {
         Ok(Box::new(compare::KdComparison::new(session, observes)?))
-    }
-
-    fn simpler_configs(&self, _config: &str) -> Vec<String> {
-        // Another test is another question.
-        Vec::new()
-    }
-
-    fn simpler_requests(&self, _session: &Session, _request: &[u8]) -> Vec<String> {
-        Vec::new()
     }
 
     /// The last scene simplified, with the rays that it was asked for.
     fn simpler_sessions(&self, session: &Session) -> Vec<Session> {
-        let Ok(mut model) = KdServed::new(Oracle::Model, session.config()) else { return Vec::new() };
+        let Ok(mut model) = KdOracle::new(Oracle::Model, session.config()) else { return Vec::new() };
         let mut rays = Vec::new();
         for line in session.requests() {
             let Ok(request) = Request::parse(line) else { return Vec::new() };
@@ -117,17 +107,17 @@ impl Kind for Kd {
             model.change(&request);
         }
         let Ok((scene, _)) = model.scene() else { return Vec::new() };
-        let of = |made: &Made| {
-            let mut text = made.requests();
+        let of = |scene: &GeneratedScene| {
+            let mut text = scene.requests();
             rays.iter().for_each(|(query, ray)| push_ray(&mut text, *query, ray));
             session.with_requests(text.trim_ascii_end().split(|&byte| byte == b'\n'))
         };
-        Made::of(scene).simpler().iter().map(of).collect()
+        GeneratedScene::of(scene).simpler().iter().map(of).collect()
     }
 
     /// The right walk.
     fn state_before(&self, session: &Session, request: usize) -> Vec<String> {
-        let Ok(mut model) = KdServed::new(Oracle::Model, session.config()) else { return Vec::new() };
+        let Ok(mut model) = KdOracle::new(Oracle::Model, session.config()) else { return Vec::new() };
         for line in session.requests().take(request) {
             if let Ok(request) = Request::parse(line) {
                 model.change(&request);
@@ -144,6 +134,6 @@ impl Kind for Kd {
     }
 
     fn coverage(&self) -> Box<dyn Coverage> {
-        Box::new(coverage::Reached::default())
+        Box::new(coverage::KdCoverage::default())
     }
 }

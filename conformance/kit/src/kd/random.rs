@@ -1,9 +1,9 @@
 //! Random scenes and rays, made to meet planes, edges and ends: coordinates are often whole, and rays often
 //! go along an axis, in a plane of a cell, or through a corner.
 
+use super::generated_scene::GeneratedScene;
 use super::request::push_ray;
-use super::scene::Made;
-use super::world::KERNELS;
+use super::scene_memory::KERNELS;
 use glam::Vec3;
 use saarcor_model::rays::{Query, Ray};
 use saarcor_random::Random;
@@ -27,14 +27,14 @@ pub fn requests(seed: u64, count: usize) -> Vec<u8> {
     let mut text = Vec::new();
     let mut left = count;
     while left > 0 {
-        let scene = Scene::new(&mut random);
-        let told = scene.made.requests();
-        let lines = told.iter().filter(|&&byte| byte == b'\n').count();
+        let scene = RandomScene::new(&mut random);
+        let writes = scene.scene.requests();
+        let lines = writes.iter().filter(|&&byte| byte == b'\n').count();
         if lines >= left {
             (0..left).for_each(|_| text.extend_from_slice(b"flush\n"));
             break;
         }
-        text.extend_from_slice(&told);
+        text.extend_from_slice(&writes);
         let rays = (left - lines).min(RAYS);
         for _ in 0..rays {
             let query = if random.percent(20) { Query::Any } else { Query::Closest };
@@ -50,12 +50,12 @@ pub fn requests(seed: u64, count: usize) -> Vec<u8> {
 }
 
 /// A scene, and the manner in which its coordinates are drawn.
-struct Scene {
-    made: Made,
+struct RandomScene {
+    scene: GeneratedScene,
     whole: bool,
 }
 
-impl Scene {
+impl RandomScene {
     fn new(random: &mut Random) -> Self {
         let whole = random.percent(50);
         let spread = random.pick(&[0.25, 1.0, 4.0]);
@@ -81,13 +81,13 @@ impl Scene {
             }
             triangles.push(corners);
         }
-        Self { made: Made::new(&triangles, random), whole }
+        Self { scene: GeneratedScene::new(&triangles, random), whole }
     }
 
     fn ray(&self, random: &mut Random) -> Ray {
         let whole = self.whole || random.percent(20);
         let origin = place(random, whole) * random.pick(&[0.5, 1.0, 4.0]);
-        let target = match (random.below(4), &self.made.triangles[..]) {
+        let target = match (random.below(4), &self.scene.triangles[..]) {
             (0, _) | (_, []) => place(random, whole),
             (kind, triangles) => {
                 let [a, b, c] = random.pick(triangles);

@@ -1,7 +1,9 @@
 //! Requests and answers of `saarcor-kd`.
 
+use crate::error::Error;
 use crate::hex;
 use crate::vm::request::Request as VmRequest;
+use crate::words::observed_names;
 use glam::Vec3;
 use saarcor_model::host::Aabb;
 use saarcor_model::rays::{Query, Ray};
@@ -19,7 +21,7 @@ pub enum Request<'a> {
         /// Two hex digits a byte.
         digits: &'a [u8],
     },
-    /// The driver tells the box around the scene.
+    /// The driver hands over the box around the scene.
     Bounds(Aabb),
     /// What a ray hits.
     Trace(Query, Ray),
@@ -32,7 +34,7 @@ impl<'a> Request<'a> {
     ///
     /// # Errors
     /// What would be right.
-    pub fn parse(line: &'a [u8]) -> Result<Self, &'static str> {
+    pub fn parse(line: &'a [u8]) -> Result<Self, Error> {
         let (name, rest) = line.split_at(line.iter().position(|&byte| byte == b' ').unwrap_or(line.len()));
         match name {
             b"b" => bounds(rest),
@@ -44,10 +46,10 @@ impl<'a> Request<'a> {
                 {
                     Ok(Self::Write { host, digits })
                 }
-                VmRequest::Write { .. } => Err("a write ends at 1000000 at last"),
+                VmRequest::Write { .. } => Err("a write ends at 1000000 at last".into()),
                 _ => Ok(Self::Flush),
             },
-            _ => Err("the requests are w, b, c, a, flush, end"),
+            _ => Err("the requests are w, b, c, a, flush, end".into()),
         }
     }
 }
@@ -70,26 +72,26 @@ fn number_of(word: &[u8]) -> Option<f32> {
     bits_of(word).map(f32::from_bits)
 }
 
-fn bounds(rest: &[u8]) -> Result<Request<'_>, &'static str> {
+fn bounds(rest: &[u8]) -> Result<Request<'_>, Error> {
     let numbers: [f32; 6] = numbers(rest).ok_or("write 'b X0 Y0 Z0 X1 Y1 Z1', bits of f32 in hex")?;
     let [min, max] = [0, 3].map(|first| Vec3::from_slice(&numbers[first..]));
     if !min.is_finite() || !max.is_finite() || !min.cmple(max).all() {
-        return Err("the box is finite, its least corner first");
+        return Err("the box is finite, its least corner first".into());
     }
     Ok(Request::Bounds(Aabb { min, max }))
 }
 
-fn trace(rest: &[u8], query: Query) -> Result<Request<'_>, &'static str> {
+fn trace(rest: &[u8], query: Query) -> Result<Request<'_>, Error> {
     let right = "write OX OY OZ DX DY DZ TMIN TMAX, bits of f32 in hex";
     let numbers: [f32; 8] = numbers(rest).ok_or(right)?;
     let [origin, direction] = [0, 3].map(|first| Vec3::from_slice(&numbers[first..]));
     let (t_min, t_max) = (numbers[6], numbers[7]);
     if !origin.is_finite() || !direction.is_finite() {
-        return Err("origin and direction are finite");
+        return Err("origin and direction are finite".into());
     }
     // −0.0 is no less than 0, and would begin a range below it.
     if !t_min.is_finite() || t_min.is_sign_negative() || t_max.is_nan() || t_max < t_min {
-        return Err("0 ≤ TMIN ≤ TMAX, and TMIN is finite");
+        return Err("0 ≤ TMIN ≤ TMAX, and TMIN is finite".into());
     }
     Ok(Request::Trace(query, Ray { origin, direction, t_min, t_max }))
 }
@@ -147,18 +149,9 @@ impl Observes {
     ///
     /// # Errors
     /// What would be right.
-    pub fn parse(list: &str) -> Result<Self, String> {
-        let mut observes = Self { triangle: false, t: false, uv: false, touched: false };
-        for name in list.split(',') {
-            match name {
-                "triangle" => observes.triangle = true,
-                "t" => observes.t = true,
-                "uv" => observes.uv = true,
-                "touched" => observes.touched = true,
-                _ => return Err(format!("'{name}' is none of triangle, t, uv, touched")),
-            }
-        }
-        Ok(observes)
+    pub fn parse(list: &str) -> Result<Self, Error> {
+        let [triangle, t, uv, touched] = observed_names(["triangle", "t", "uv", "touched"], list)?;
+        Ok(Self { triangle, t, uv, touched })
     }
 }
 
@@ -187,13 +180,13 @@ impl Answer {
     ///
     /// # Errors
     /// What would be right.
-    pub fn parse(line: &[u8], query: Query, observes: Observes) -> Result<Self, String> {
+    pub fn parse(line: &[u8], query: Query, observes: Observes) -> Result<Self, Error> {
         let words: Vec<_> = line.split(|&byte| byte == b' ').filter(|word| !word.is_empty()).collect();
         let none = Hit { triangle: None, t: None, uv: None };
         match (query, &words[..]) {
             (Query::Any, [b"h"]) => Ok(Self { hit: Some(none), touched: None }),
             (Query::Any, [b"m"]) => Ok(Self { hit: None, touched: None }),
-            (Query::Any, _) => Err("'h' or 'm' is right".to_owned()),
+            (Query::Any, _) => Err("'h' or 'm' is right".into()),
             (Query::Closest, [b"m", list]) => Ok(Self { hit: None, touched: touched(list, observes)? }),
             (Query::Closest, [b"h", triangle, t, u, v, list]) => {
                 let triangle = observed(observes.triangle, triangle, "TRIANGLE", bits_of)?;
@@ -205,7 +198,7 @@ impl Answer {
             }
             (Query::Closest, _) => {
                 Err("'h TRIANGLE T U V TOUCHED' or 'm TOUCHED' is right, with '-' for what is not observed"
-                    .to_owned())
+                    .into())
             }
         }
     }
@@ -217,9 +210,9 @@ fn observed<T>(
     word: &[u8],
     name: &str,
     read: impl Fn(&[u8]) -> Option<T>,
-) -> Result<Option<T>, String> {
+) -> Result<Option<T>, Error> {
     match word {
-        b"-" if is_observed => Err(format!("{name} is '-', though it is observed")),
+        b"-" if is_observed => Err(format!("{name} is '-', though it is observed").into()),
         b"-" => Ok(None),
         _ => {
             let value = read(word).ok_or_else(|| format!("{name} is no hex number of 32 bits"))?;
@@ -228,7 +221,7 @@ fn observed<T>(
     }
 }
 
-fn touched(list: &[u8], observes: Observes) -> Result<Option<Vec<u32>>, String> {
+fn touched(list: &[u8], observes: Observes) -> Result<Option<Vec<u32>>, Error> {
     let addresses = |list: &[u8]| list.split(|&byte| byte == b',').map(bits_of).collect();
     let none = |list: &[u8]| (list == b"none").then(Vec::new);
     observed(observes.touched, list, "TOUCHED", |list| none(list).or_else(|| addresses(list)))
@@ -247,14 +240,15 @@ mod tests {
         push_ray(&mut text, Query::Any, &ray);
         push_write(&mut text, 0x1000, &[1, 0xaf]);
         let lines: Vec<_> = text.split(|&byte| byte == b'\n').map(Request::parse).collect();
-        assert_eq!(lines[0], Ok(Request::Bounds(bounds)));
-        assert_eq!(lines[1], Ok(Request::Trace(Query::Any, ray)));
-        assert_eq!(lines[2], Ok(Request::Write { host: 0x1000, digits: b"01af" }));
-        assert_eq!(Request::parse(b"flush"), Ok(Request::Flush));
+        let line = |place: usize| lines[place].as_ref().ok();
+        assert_eq!(line(0), Some(&Request::Bounds(bounds)));
+        assert_eq!(line(1), Some(&Request::Trace(Query::Any, ray)));
+        assert_eq!(line(2), Some(&Request::Write { host: 0x1000, digits: b"01af" }));
+        assert_eq!(Request::parse(b"flush").ok(), Some(Request::Flush));
     }
 
     #[test]
-    fn what_is_no_request_is_told() {
+    fn wrong_requests_are_refused() {
         let ray = |rest: &str| format!("c 0 0 0 3f800000 0 0 {rest}");
         for (text, says) in [
             ("r 0 1".to_owned(), "the requests are"),
@@ -270,7 +264,7 @@ mod tests {
             ("a 7f800000 0 0 0 0 0 0 0".to_owned(), "finite"),
             ("a 100000000 0 0 0 0 0 0 0".to_owned(), "bits of f32"),
         ] {
-            let error = Request::parse(text.as_bytes()).expect_err(&text);
+            let error = Request::parse(text.as_bytes()).expect_err(&text).to_string();
             assert!(error.contains(says), "{text}: {error}");
         }
     }
@@ -283,8 +277,9 @@ mod tests {
         let all = "triangle,t,uv,touched";
         let hit = Hit { triangle: Some(0x2000), t: Some(1.0), uv: Some([0.5, 0.0]) };
         let answer = Answer { hit: Some(hit), touched: Some(vec![0, 0x1000, 0x2000]) };
-        assert_eq!(parse("h 2000 3F800000 3f000000 0 0,1000,2000", Query::Closest, all), Ok(answer));
-        assert_eq!(parse("m none", Query::Closest, all), Ok(Answer { hit: None, touched: Some(vec![]) }));
+        assert_eq!(parse("h 2000 3F800000 3f000000 0 0,1000,2000", Query::Closest, all).ok(), Some(answer));
+        let miss = Answer { hit: None, touched: Some(vec![]) };
+        assert_eq!(parse("m none", Query::Closest, all).ok(), Some(miss));
         let seen = parse("h 2000 3f800000 - - -", Query::Closest, "triangle").expect("an answer");
         assert_eq!(seen.hit, Some(Hit { triangle: Some(0x2000), t: None, uv: None }));
         assert!(parse("h", Query::Any, all).is_ok_and(|answer| answer.hit.is_some()));
@@ -302,6 +297,6 @@ mod tests {
         ] {
             assert!(parse(line, query, all).is_err(), "{line}");
         }
-        assert!(Observes::parse("triangle,u").is_err_and(|says| says.contains("'u'")));
+        assert!(Observes::parse("triangle,u").is_err_and(|says| says.to_string().contains("'u'")));
     }
 }

@@ -7,7 +7,7 @@
 
 use super::bound::Bounded;
 use super::request::Hit;
-use super::world::Scene;
+use super::scene_memory::LegalScene;
 use glam::Vec3;
 use saarcor_model::rays::{
     Candidate, EdgeTriangle, Kernel, Number, PluckerTriangle, Ray, TriangleTest, WatertightTriangle,
@@ -22,12 +22,12 @@ pub type Wrong = (&'static str, String);
 #[derive(Clone, Debug)]
 pub struct Truth {
     /// Of each triangle of the scene that is not missed.
-    candidates: Vec<Known>,
+    candidates: Vec<PossibleHit>,
 }
 
 /// What is known of a ray and a triangle that it does not certainly miss.
 #[derive(Clone, Copy, Debug)]
-struct Known {
+struct PossibleHit {
     addr: u32,
     corners: [Vec3; 3],
     t: Bounded,
@@ -40,7 +40,7 @@ struct Known {
 impl Truth {
     /// Of a ray in a scene.
     #[must_use]
-    pub fn new(scene: &Scene, ray: &Ray) -> Self {
+    pub fn new(scene: &LegalScene, ray: &Ray) -> Self {
         match scene.registers.kernel {
             Kernel::Adaptive => Self::exactly(scene, ray),
             Kernel::Plucker => Self::bounded::<PluckerTriangle<Bounded>>(scene, ray),
@@ -49,24 +49,24 @@ impl Truth {
         }
     }
 
-    fn bounded<T: TriangleTest<Bounded>>(scene: &Scene, ray: &Ray) -> Self {
+    fn bounded<T: TriangleTest<Bounded>>(scene: &LegalScene, ray: &Ray) -> Self {
         let of_ray = T::ray(ray.origin.to_array(), ray.direction.to_array());
         let triangles = scene.addresses.iter().zip(&scene.corners);
         let known = triangles.filter_map(|(&addr, corners)| {
-            Known::new(addr, corners, T::new(corners).intersect(&of_ray), ray)
+            PossibleHit::new(addr, corners, T::new(corners).intersect(&of_ray), ray)
         });
         Self { candidates: known.collect() }
     }
 
     /// The first triangles alone: of those at the same distance the one at the lowest address.
-    fn exactly(scene: &Scene, ray: &Ray) -> Self {
+    fn exactly(scene: &LegalScene, ray: &Ray) -> Self {
         let numbered = (0..).zip(scene.corners.iter().copied());
         let first = closest(ray, numbered).and_then(|closest| closest.triangles.first().copied());
         let known = first.and_then(|(place, _)| {
             let corners = scene.corners[place as usize];
             let point = solve(ray, &corners)?;
             let [t, u, v] = [point.t, point.u, point.v].map(|number| Bounded::nearly(nearest_f64(&number)));
-            Some(Known { addr: scene.addresses[place as usize], corners, t, u, v, hit: true })
+            Some(PossibleHit { addr: scene.addresses[place as usize], corners, t, u, v, hit: true })
         });
         Self { candidates: known.into_iter().collect() }
     }
@@ -91,7 +91,7 @@ impl Truth {
                 },
             ));
         };
-        let Known { t: distance, u, v, corners, .. } = known;
+        let PossibleHit { t: distance, u, v, corners, .. } = known;
         if let Some(nearer) = certain().find(|other| other.t.is_below(distance.value - distance.error)) {
             return Err((
                 "KD-4",
@@ -99,7 +99,7 @@ impl Truth {
             ));
         }
         // The same corners, or numbers that are not rounded, give the same distance in any implementation.
-        let ties = |other: &&Known| {
+        let ties = |other: &&PossibleHit| {
             let exact = other.t.error == 0.0 && distance.error == 0.0 && other.t.value == distance.value;
             other.addr < addr && other.hit && (exact || other.corners == *corners)
         };
@@ -134,7 +134,7 @@ impl Truth {
     }
 }
 
-impl Known {
+impl PossibleHit {
     /// Of a triangle by what its test gives; none where it is certainly missed (IS-1, IS-2).
     fn new(addr: u32, corners: &[Vec3; 3], found: Candidate<Bounded>, ray: &Ray) -> Option<Self> {
         let Candidate { t, u, v, .. } = found;

@@ -1,7 +1,7 @@
 //! The walk of one ray through a tree, step by step, made of the model's own steps: what a person is
 //! shown, and what is counted as coverage.
 
-use super::world::Scene;
+use super::scene_memory::LegalScene;
 use saarcor_model::host::{Axis, LIST_ENTRY_BYTES, ListEntry, MAX_DEPTH, NODE_BYTES, NodeRecord};
 use saarcor_model::rays::{
     Children, Hits, Packet, Prepared, Query, Ray, Stack, Traversal, is_downwards, max, min, reciprocal,
@@ -21,7 +21,7 @@ impl Observer for Reads {
 
 /// What the model says of a ray: its hit, and what it reads.
 #[must_use]
-pub fn trace(memory: &[u8], scene: &Scene, ray: &Ray, query: Query) -> (Hits<1>, Vec<(Unit, u32)>) {
+pub fn trace(memory: &[u8], scene: &LegalScene, ray: &Ray, query: Query) -> (Hits<1>, Vec<(Unit, u32)>) {
     let mut memory = Observed { memory: WholeScene(memory), observer: Reads::default() };
     let packet = Packet::new([Some(*ray)]);
     let hits = Traversal::default().run(&mut memory, &scene.registers, &packet, query);
@@ -75,7 +75,7 @@ type Visit = (HostAddr, (f32, f32));
 
 /// The steps of a ray that asks for the closest hit, until its end.
 #[must_use]
-pub fn steps(memory: &[u8], scene: &Scene, ray: &Ray) -> Vec<Step> {
+pub fn steps(memory: &[u8], scene: &LegalScene, ray: &Ray) -> Vec<Step> {
     let mut steps = Vec::new();
     let mut memory = WholeScene(memory);
     let packet = Packet::new([Some(*ray)]);
@@ -123,7 +123,7 @@ pub fn steps(memory: &[u8], scene: &Scene, ray: &Ray) -> Vec<Step> {
 
 /// One over the components of the direction, as the traversal unit takes them.
 #[must_use]
-pub fn reciprocals(scene: &Scene, ray: &Ray) -> [f32; 3] {
+pub fn reciprocals(scene: &LegalScene, ray: &Ray) -> [f32; 3] {
     let bounds = &scene.registers.bounds;
     std::array::from_fn(|axis| {
         let origin = ray.origin[axis];
@@ -133,7 +133,7 @@ pub fn reciprocals(scene: &Scene, ray: &Ray) -> [f32; 3] {
 }
 
 /// The part of a ray in the box around the scene.
-fn in_bounds(scene: &Scene, ray: &Ray, reciprocals: &[f32; 3]) -> (f32, f32) {
+fn in_bounds(scene: &LegalScene, ray: &Ray, reciprocals: &[f32; 3]) -> (f32, f32) {
     let bounds = &scene.registers.bounds;
     let (mut enter, mut leave) = (ray.t_min, ray.t_max);
     for (axis, &reciprocal) in reciprocals.iter().enumerate() {

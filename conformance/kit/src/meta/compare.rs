@@ -2,18 +2,17 @@
 
 use super::config::{self, MetaConfig};
 use super::request::{Answer, Observes, Request};
-use super::tags::{self, TagsServed};
-use crate::kind::{Comparison, Difference};
+use super::tags::{self, TagsAdapter};
+use crate::comparison::{Comparison, Difference, Expected};
+use crate::error::Error;
 use crate::level::Level;
-use crate::serve::Served as _;
 use crate::session::Session;
-use saarcor_oracles::metadata::Moved;
+use saarcor_oracles::metadata::GranuleEvent;
 
 /// The comparison of one session.
 pub struct MetaComparison {
     config: MetaConfig,
-    model: TagsServed,
-    expected: Vec<u8>,
+    expected: Expected<TagsAdapter>,
     /// Metadata has been made corrupt: from then on a difference is that nobody noticed.
     corrupted: bool,
     /// Whether hits have differed: from then on all else has to differ.
@@ -25,11 +24,11 @@ impl MetaComparison {
     ///
     /// # Errors
     /// What is wrong with the list or the configuration.
-    pub fn new(session: &Session, observes: &str) -> Result<Self, String> {
+    pub fn new(session: &Session, observes: &str) -> Result<Self, Error> {
         let config = config::parse(session.config())?;
-        let mut model = TagsServed::new(session.config(), &tags::model).map_err(|wrong| wrong.0)?;
+        let mut model = TagsAdapter::new(session.config(), &tags::model)?;
         model.observes = Observes::parse(observes)?;
-        Ok(Self { config, model, expected: Vec::new(), corrupted: false, traffic_differs: false })
+        Ok(Self { config, expected: Expected::new(model), corrupted: false, traffic_differs: false })
     }
 
     /// The requirement of answers: version B's are version A's, and corrupt metadata is empty.
@@ -55,21 +54,23 @@ impl MetaComparison {
 }
 
 /// The first difference in what moved, and the requirement that it breaks.
-fn moves(right: &[Moved], got: &[Moved], corrupted: bool) -> Option<(&'static str, String)> {
+fn moves(right: &[GranuleEvent], got: &[GranuleEvent], corrupted: bool) -> Option<(&'static str, String)> {
     let same = right.iter().zip(got).take_while(|(right, got)| right == got).count();
-    let said = |moved: Option<&Moved>| match moved {
+    let said = |moved: Option<&GranuleEvent>| match moved {
         None => "nothing more".to_owned(),
-        Some(Moved::Found(granule)) => format!("granule {granule:x} in the metadata cache"),
-        Some(Moved::Read(granule)) => format!("granule {granule:x} read from the card"),
-        Some(Moved::WrittenBack(granule, _)) => format!("granule {granule:x} written back"),
+        Some(GranuleEvent::Found(granule)) => format!("granule {granule:x} in the metadata cache"),
+        Some(GranuleEvent::Read(granule)) => format!("granule {granule:x} read from the card"),
+        Some(GranuleEvent::WrittenBack(granule, _)) => format!("granule {granule:x} written back"),
     };
-    let number = |moved: &Moved| match *moved {
-        Moved::Found(granule) | Moved::Read(granule) | Moved::WrittenBack(granule, _) => granule,
+    let number = |moved: &GranuleEvent| match *moved {
+        GranuleEvent::Found(granule)
+        | GranuleEvent::Read(granule)
+        | GranuleEvent::WrittenBack(granule, _) => granule,
     };
-    let written_back = |moved: Option<&Moved>| matches!(moved, Some(Moved::WrittenBack(..)));
+    let written_back = |moved: Option<&GranuleEvent>| matches!(moved, Some(GranuleEvent::WrittenBack(..)));
     match (right.get(same), got.get(same)) {
         (None, None) => None,
-        (Some(Moved::WrittenBack(granule, right)), Some(Moved::WrittenBack(other, got)))
+        (Some(GranuleEvent::WrittenBack(granule, right)), Some(GranuleEvent::WrittenBack(other, got)))
             if granule == other =>
         {
             let byte = right.iter().zip(got).take_while(|(right, got)| right == got).count();
@@ -79,7 +80,7 @@ fn moves(right: &[Moved], got: &[Moved], corrupted: bool) -> Option<(&'static st
             ))
         }
         (right, got) => {
-            let asked = |moved: Option<&Moved>| moved.filter(|_| !written_back(moved)).map(number);
+            let asked = |moved: Option<&GranuleEvent>| moved.filter(|_| !written_back(moved)).map(number);
             let requirement = match () {
                 () if corrupted => "VM-14",
                 // Which granules are asked for, and when.
@@ -93,7 +94,7 @@ fn moves(right: &[Moved], got: &[Moved], corrupted: bool) -> Option<(&'static st
 
 impl Comparison for MetaComparison {
     fn observed(&self, level: Level) -> bool {
-        let Observes { hit, card, meta, .. } = self.model.observes;
+        let Observes { hit, card, meta, .. } = self.expected.model.observes;
         match level {
             Level::Protocol => true,
             Level::Traffic => hit,
@@ -108,19 +109,18 @@ impl Comparison for MetaComparison {
         request: &[u8],
         answer: &[u8],
         found: &mut dyn FnMut(Difference),
-    ) -> Result<(), String> {
-        self.expected.clear();
-        self.model.answer(request, &mut self.expected)?;
+    ) -> Result<(), Error> {
+        let is_equal = self.expected.equals(request, answer)?;
         let request = Request::parse(request)?;
-        self.corrupted |= matches!(request, Request::TurnOver { .. });
-        if self.expected == answer {
+        self.corrupted |= matches!(request, Request::Flip { .. });
+        if is_equal {
             return Ok(());
         }
-        if matches!(request, Request::Flush | Request::TurnOver { .. }) {
-            return Err("'ok' is right".to_owned());
+        if matches!(request, Request::Flush | Request::Flip { .. }) {
+            return Err("'ok' is right".into());
         }
-        let right = Answer::parse(request, &self.expected, self.model.observes)?;
-        let got = Answer::parse(request, answer, self.model.observes)?;
+        let right = Answer::parse(request, self.expected.answer(), self.expected.model.observes)?;
+        let got = Answer::parse(request, answer, self.expected.model.observes)?;
         if self.traffic_differs {
             return Ok(());
         }
@@ -144,6 +144,6 @@ impl Comparison for MetaComparison {
     }
 
     fn expected(&self) -> &[u8] {
-        &self.expected
+        self.expected.answer()
     }
 }

@@ -1,7 +1,9 @@
 //! The configuration of `saarcor-meta`: that of `saarcor-vm`, and
 //! `granule=16 meta-sets=1024 meta-ways=4 faults=0`.
 
+use crate::error::Error;
 use crate::vm::config;
+use crate::words::Values;
 use saarcor_model::vm::{CacheConfig, ENTRY_BYTES};
 
 /// Values that the kit's model is built for.
@@ -44,42 +46,26 @@ impl MetaConfig {
 ///
 /// # Errors
 /// The key that is wrong, and what would be right.
-pub fn parse(text: &str) -> Result<MetaConfig, String> {
-    let (mut granule, mut sets, mut ways, mut faults) = (None, None, None, None);
-    let mut of_cache = Vec::new();
-    for word in text.split_ascii_whitespace() {
-        let (key, value) = word.split_once('=').unwrap_or((word, ""));
-        let number = || value.parse::<usize>().map_err(|_| format!("{word}: write a decimal number"));
-        match key {
-            "granule" => granule = Some(number()?),
-            "meta-sets" => sets = Some(number()?),
-            "meta-ways" => ways = Some(number()?),
-            "faults" => faults = Some(number()?),
-            _ => of_cache.push(word),
+pub fn parse(text: &str) -> Result<MetaConfig, Error> {
+    let values = Values::parse(text, &keys().collect::<Vec<_>>())?;
+    let cache = config::cache_of(&values)?;
+    let one_of = |key: &str, all: &[usize]| -> Result<usize, Error> {
+        let value = values.number(key)?;
+        if all.contains(&value) {
+            return Ok(value);
         }
-    }
-    let cache = config::parse(&of_cache.join(" "))?;
-    let one_of = |key: &str, value: Option<usize>, all: &[usize]| {
-        let value = value.ok_or_else(|| format!("{key} is missing"))?;
-        let names: Vec<_> = all.iter().map(usize::to_string).collect();
-        all.contains(&value)
-            .then_some(value)
-            .ok_or(format!("{key}={value}: write one of {}", names.join(", ")))
+        let all: Vec<_> = all.iter().map(usize::to_string).collect();
+        Err(format!("{key}={value}: write one of {}", all.join(", ")).into())
     };
     if !WAYS.contains(&cache.geometry.ways()) {
-        return Err(format!("ways={}: version B is for at most 8", cache.geometry.ways()));
+        return Err(format!("ways={}: version B is for at most 8", cache.geometry.ways()).into());
     }
-    let sets = sets.ok_or("meta-sets is missing")?;
+    let sets: usize = values.number("meta-sets")?;
     if !sets.is_power_of_two() || sets > MAX_META_SETS {
-        return Err(format!("meta-sets={sets}: it must be a power of two up to {MAX_META_SETS}"));
+        return Err(format!("meta-sets={sets}: it must be a power of two up to {MAX_META_SETS}").into());
     }
-    Ok(MetaConfig {
-        cache,
-        granule: one_of("granule", granule, GRANULES)?,
-        sets,
-        ways: one_of("meta-ways", ways, META_WAYS)?,
-        faults: one_of("faults", faults, &[0, 1])? == 1,
-    })
+    let (granule, ways) = (one_of("granule", GRANULES)?, one_of("meta-ways", META_WAYS)?);
+    Ok(MetaConfig { cache, granule, sets, ways, faults: one_of("faults", &[0, 1])? == 1 })
 }
 
 /// The configuration that [`parse`] reads back.
@@ -116,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_configuration_is_told() {
+    fn wrong_configurations_are_refused() {
         for (from, to, says) in [
             ("granule=16", "granule=24", "8, 16"),
             ("meta-sets=1024", "meta-sets=3", "power of two"),
@@ -126,7 +112,7 @@ mod tests {
             ("faults=0", "fault=0", "fault"),
             ("line=128", "line=x", "decimal"),
         ] {
-            let error = parse(&STANDARD.replacen(from, to, 1)).expect_err("none");
+            let error = parse(&STANDARD.replacen(from, to, 1)).expect_err("none").to_string();
             assert!(error.contains(says), "{from} -> {to}: {error}");
         }
     }

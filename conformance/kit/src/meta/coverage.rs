@@ -3,10 +3,10 @@
 use super::config::{self, MetaConfig};
 use super::request::Request;
 use super::tags::{ModelTags, Tags as _};
-use crate::kind::{Coverage, Covered};
+use crate::coverage::{Coverage, CoverageCount};
 use crate::session::Session;
 use saarcor_model::vm::{HostAddr, LineAddr, Outcome};
-use saarcor_oracles::metadata::Moved;
+use saarcor_oracles::metadata::GranuleEvent;
 use std::collections::BTreeSet;
 
 /// Ways of the small geometry, and granules that its metadata cache holds.
@@ -21,7 +21,7 @@ const SETS: u64 = 2;
 enum ToLine {
     Hits,
     FillsFreeWay,
-    PushesOut,
+    Evicts,
     Invalidates,
     FindsNothingToInvalidate,
 }
@@ -31,8 +31,8 @@ enum ToLine {
 enum ToGranule {
     IsFound,
     FillsFreeWay,
-    PushesOutClean,
-    PushesOutChanged,
+    EvictsClean,
+    EvictsChanged,
 }
 
 /// Five times four, but that granules fill free ways only while no line is resident.
@@ -63,7 +63,7 @@ impl Coverage for SmallGeometry {
                     let to_line = match tags.access(geometry.line_of(HostAddr(host)), &mut moved) {
                         Outcome::Hit { .. } => ToLine::Hits,
                         Outcome::Miss { evicted: None, .. } => ToLine::FillsFreeWay,
-                        Outcome::Miss { evicted: Some(_), .. } => ToLine::PushesOut,
+                        Outcome::Miss { evicted: Some(_), .. } => ToLine::Evicts,
                     };
                     self.count(to_line, &moved, &mut cached);
                 }
@@ -81,13 +81,13 @@ impl Coverage for SmallGeometry {
                     tags.flush();
                     cached = 0;
                 }
-                Request::TurnOver { .. } => {}
+                Request::Flip { .. } => {}
             }
         }
     }
 
-    fn rows(&self) -> Vec<Covered> {
-        vec![Covered {
+    fn counts(&self) -> Vec<CoverageCount> {
+        vec![CoverageCount {
             what: "what a request does to its line × to a granule, with 2 of 3 granules cached".to_owned(),
             reached: self.reached.len(),
             all: CASES,
@@ -97,19 +97,21 @@ impl Coverage for SmallGeometry {
 
 impl SmallGeometry {
     /// Counts what moved, given how many granules were in the metadata cache.
-    fn count(&mut self, to_line: ToLine, moved: &[Moved], cached: &mut usize) {
+    fn count(&mut self, to_line: ToLine, moved: &[GranuleEvent], cached: &mut usize) {
         for (place, granule) in moved.iter().enumerate() {
             let to_granule = match granule {
-                Moved::Found(_) => ToGranule::IsFound,
-                Moved::Read(_) if *cached < META_WAYS => {
+                GranuleEvent::Found(_) => ToGranule::IsFound,
+                GranuleEvent::Read(_) if *cached < META_WAYS => {
                     *cached += 1;
                     ToGranule::FillsFreeWay
                 }
-                Moved::Read(_) if matches!(moved.get(place + 1), Some(Moved::WrittenBack(..))) => {
-                    ToGranule::PushesOutChanged
+                GranuleEvent::Read(_)
+                    if matches!(moved.get(place + 1), Some(GranuleEvent::WrittenBack(..))) =>
+                {
+                    ToGranule::EvictsChanged
                 }
-                Moved::Read(_) => ToGranule::PushesOutClean,
-                Moved::WrittenBack(..) => continue,
+                GranuleEvent::Read(_) => ToGranule::EvictsClean,
+                GranuleEvent::WrittenBack(..) => continue,
             };
             self.reached.insert((to_line, to_granule));
         }

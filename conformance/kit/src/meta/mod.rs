@@ -7,43 +7,43 @@ mod random;
 pub mod request;
 pub mod tags;
 
-use crate::kind::{Comparison, Coverage, Kind, Oracle};
+use crate::comparison::Comparison;
+use crate::coverage::Coverage;
+use crate::error::Error;
+use crate::implementation::Implementation;
+use crate::kind::{Kind, Oracle};
 use crate::level::Level;
-use crate::serve::{Served, Unsupported};
 use crate::session::Session;
 use crate::suites;
 use config::MetaConfig;
 use request::Request;
 use saarcor_model::vm::{ENTRY_BYTES, HostAddr};
+use std::borrow::Cow;
 use std::collections::BTreeSet;
-use tags::TagsServed;
+use tags::TagsAdapter;
 
 /// The kind `saarcor-meta`.
 #[derive(Clone, Copy, Debug)]
 pub struct Meta;
 
 /// Whether a request is legal with this configuration; what would be right, where it is not.
-fn fits(config: &MetaConfig, request: Request) -> Result<(), &'static str> {
+fn fits(config: &MetaConfig, request: Request) -> Result<(), Error> {
     match request {
         Request::Invalidate { host, len } => {
             let lines = config.cache.lines_of(HostAddr(host), len);
             // How so many are best found is the implementation's affair, and so is what moves for it.
             let few = lines.end - lines.start < config.cache.geometry.lines();
-            few.then_some(()).ok_or("a range meets fewer lines than the card has")
+            if few { Ok(()) } else { Err("a range meets fewer lines than the card has".into()) }
         }
-        Request::TurnOver { .. } if !config.faults => Err("'x' is for faults=1"),
-        Request::TurnOver { byte, .. } if u64::from(byte) >= config.bytes() => {
-            Err("the metadata of all lines has 5 bytes a line")
+        Request::Flip { .. } if !config.faults => Err("'x' is for faults=1".into()),
+        Request::Flip { byte, .. } if u64::from(byte) >= config.bytes() => {
+            Err("the metadata of all lines has 5 bytes a line".into())
         }
         _ => Ok(()),
     }
 }
 
 impl Kind for Meta {
-    fn name(&self) -> &'static str {
-        "saarcor-meta"
-    }
-
     fn hello(&self) -> &'static str {
         "saarcor-meta 1"
     }
@@ -56,38 +56,38 @@ impl Kind for Meta {
         suites::META
     }
 
-    fn random(&self, seed: u64, requests: usize) -> Session {
-        let config = random::config_of(seed);
-        let name = format!("{}/random/{seed}", self.prefix());
-        Session::new(&name, self.hello(), config, &random::requests(config, seed, requests))
+    fn random_config(&self, seed: u64) -> Cow<'static, str> {
+        random::config_of(seed).into()
     }
 
-    fn check(&self, session: &Session) -> Result<(), String> {
-        let config = config::parse(session.config()).map_err(|wrong| format!("config: {wrong}"))?;
-        let mut turned = BTreeSet::new();
-        for (request, number) in session.requests().zip(1..) {
-            let wrong =
-                |right: &str| format!("request {number}, '{}': {right}", String::from_utf8_lossy(request));
-            let request = Request::parse(request).map_err(wrong)?;
-            fits(&config, request).map_err(wrong)?;
+    fn random_requests(&self, config: &str, seed: u64, count: usize) -> Vec<u8> {
+        random::requests(config, seed, count)
+    }
+
+    fn check(&self, session: &Session) -> Result<(), Error> {
+        let config = config::parse(session.config()).map_err(Error::in_config)?;
+        let mut flipped = BTreeSet::new();
+        session.check_requests(|request| {
+            let request = Request::parse(request)?;
+            fits(&config, request)?;
             match request {
-                Request::Flush => turned.clear(),
-                // Two errors of an entry may not be told (VM-12).
-                Request::TurnOver { byte, .. } if !turned.insert(byte as usize / ENTRY_BYTES) => {
-                    return Err(wrong("an entry is flipped once until the next flush"));
+                Request::Flush => flipped.clear(),
+                // The check bits need not detect two errors of an entry (VM-12).
+                Request::Flip { byte, .. } if !flipped.insert(byte as usize / ENTRY_BYTES) => {
+                    return Err("an entry is flipped once until the next flush".into());
                 }
                 _ => {}
             }
-        }
-        Ok(())
+            Ok(())
+        })
     }
 
-    fn oracle(&self, oracle: Oracle, config: &str) -> Result<Box<dyn Served>, Unsupported> {
+    fn oracle(&self, oracle: Oracle, config: &str) -> Result<Box<dyn Implementation>, Error> {
         let make = match oracle {
             Oracle::Model => tags::model,
             Oracle::Naive => tags::naive,
         };
-        Ok(Box::new(TagsServed::new(config, &make)?))
+        Ok(Box::new(TagsAdapter::new(config, &make)?))
     }
 
     fn keys(&self) -> Vec<&'static str> {
@@ -98,7 +98,7 @@ impl Kind for Meta {
         &self,
         session: &'a Session,
         observes: &str,
-    ) -> Result<Box<dyn Comparison + 'a>, String> {
+    ) -> Result<Box<dyn Comparison + 'a>, Error> {
         Ok(Box::new(compare::MetaComparison::new(session, observes)?))
     }
 
@@ -115,7 +115,7 @@ impl Kind for Meta {
             Ok(Request::Invalidate { host, .. }) => {
                 vec![Request::Invalidate { host: down(host), len: 1 }, Request::Invalidate { host, len: 1 }]
             }
-            Ok(Request::TurnOver { byte, .. }) => vec![Request::TurnOver { byte, mask: 1 }],
+            Ok(Request::Flip { byte, .. }) => vec![Request::Flip { byte, mask: 1 }],
             Ok(Request::Flush) | Err(_) => Vec::new(),
         };
         let text = simpler.into_iter().map(|request| request.to_string());
@@ -123,7 +123,7 @@ impl Kind for Meta {
     }
 
     fn state_before(&self, session: &Session, request: usize) -> Vec<String> {
-        let Ok(mut model) = TagsServed::new(session.config(), &tags::model) else { return Vec::new() };
+        let Ok(mut model) = TagsAdapter::new(session.config(), &tags::model) else { return Vec::new() };
         let asked = session.requests().nth(request).map(Request::parse);
         let Some(Ok(Request::Read { host } | Request::Invalidate { host, .. })) = asked else {
             return Vec::new();

@@ -3,25 +3,26 @@
 
 use super::config::{self, MetaConfig};
 use super::request::{Observes, Request, push_moved};
+use crate::error::Error;
 use crate::hex;
-use crate::serve::{Served, Unsupported};
+use crate::implementation::Implementation;
 use saarcor_model::vm::{
     CachedMetadata, Directory, HostAddr, LineAddr, MetadataObserver, Outcome, Policy, Set, WriteBack,
 };
-use saarcor_oracles::metadata::{Moved, NaiveTags};
+use saarcor_oracles::metadata::{GranuleEvent, NaiveTags};
 
 /// An implementation of version B's tags, empty at first.
 pub trait Tags: Send {
     /// The chip uses a line; says what it did and, in `moved`, which granules moved for it.
-    fn access(&mut self, line: LineAddr, moved: &mut Vec<Moved>) -> Outcome;
+    fn access(&mut self, line: LineAddr, moved: &mut Vec<GranuleEvent>) -> Outcome;
 
     /// Forgets every line that the range meets, one after the other.
-    fn invalidate(&mut self, host: HostAddr, len: u64, moved: &mut Vec<Moved>);
+    fn invalidate(&mut self, host: HostAddr, len: u64, moved: &mut Vec<GranuleEvent>);
 
     /// Forgets all lines.
     fn flush(&mut self);
 
-    /// Turns bits of a byte of the metadata on the card over.
+    /// Flips bits of a byte of the metadata on the card.
     fn flip(&mut self, byte: usize, mask: u8);
 
     /// The set of a line, for a person; nothing where it cannot be seen.
@@ -30,11 +31,11 @@ pub trait Tags: Send {
     }
 }
 
-/// What moved, as the model's metadata cache tells.
+/// What the model's metadata cache did, granule by granule.
 #[derive(Clone, Debug, Default)]
-pub struct Log(Vec<Moved>);
+pub struct EventLog(Vec<GranuleEvent>);
 
-impl<const GRANULE: usize> MetadataObserver<[u8; GRANULE]> for Log {
+impl<const GRANULE: usize> MetadataObserver<[u8; GRANULE]> for EventLog {
     fn granule_used(
         &mut self,
         granule: LineAddr,
@@ -42,10 +43,10 @@ impl<const GRANULE: usize> MetadataObserver<[u8; GRANULE]> for Log {
         write_back: Option<WriteBack<[u8; GRANULE]>>,
     ) {
         self.0.push(match outcome {
-            Outcome::Hit { .. } => Moved::Found(granule.0),
-            Outcome::Miss { .. } => Moved::Read(granule.0),
+            Outcome::Hit { .. } => GranuleEvent::Found(granule.0),
+            Outcome::Miss { .. } => GranuleEvent::Read(granule.0),
         });
-        self.0.extend(write_back.map(|back| Moved::WrittenBack(back.line.0, back.contents.to_vec())));
+        self.0.extend(write_back.map(|back| GranuleEvent::WrittenBack(back.line.0, back.contents.to_vec())));
     }
 
     fn corrupt(&mut self) {}
@@ -54,7 +55,7 @@ impl<const GRANULE: usize> MetadataObserver<[u8; GRANULE]> for Log {
 /// The model's directory of version B.
 pub struct ModelTags<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> {
     /// The directory.
-    pub directory: Directory<WAYS, CachedMetadata<WAYS, META_WAYS, GRANULE, Log>>,
+    pub directory: Directory<WAYS, CachedMetadata<WAYS, META_WAYS, GRANULE, EventLog>>,
 }
 
 impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> ModelTags<WAYS, META_WAYS, GRANULE> {
@@ -64,7 +65,7 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> ModelTags<
     /// If the type is not that of the configuration.
     #[must_use]
     pub fn new(config: &MetaConfig) -> Self {
-        let metadata = CachedMetadata::observed(&config.cache, config.sets, Policy::Lru, Log::default());
+        let metadata = CachedMetadata::observed(&config.cache, config.sets, Policy::Lru, EventLog::default());
         Self { directory: Directory::over(config.cache, metadata) }
     }
 
@@ -79,13 +80,13 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> ModelTags<
 impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> Tags
     for ModelTags<WAYS, META_WAYS, GRANULE>
 {
-    fn access(&mut self, line: LineAddr, moved: &mut Vec<Moved>) -> Outcome {
+    fn access(&mut self, line: LineAddr, moved: &mut Vec<GranuleEvent>) -> Outcome {
         let outcome = self.directory.access(line);
         moved.append(&mut self.directory.metadata.observer.0);
         outcome
     }
 
-    fn invalidate(&mut self, host: HostAddr, len: u64, moved: &mut Vec<Moved>) {
+    fn invalidate(&mut self, host: HostAddr, len: u64, moved: &mut Vec<GranuleEvent>) {
         self.directory.invalidate(host, len);
         moved.append(&mut self.directory.metadata.observer.0);
     }
@@ -130,11 +131,11 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> Tags
 const SHOWN_ROWS: usize = 40;
 
 impl Tags for NaiveTags {
-    fn access(&mut self, line: LineAddr, moved: &mut Vec<Moved>) -> Outcome {
+    fn access(&mut self, line: LineAddr, moved: &mut Vec<GranuleEvent>) -> Outcome {
         self.access(line, moved)
     }
 
-    fn invalidate(&mut self, host: HostAddr, len: u64, moved: &mut Vec<Moved>) {
+    fn invalidate(&mut self, host: HostAddr, len: u64, moved: &mut Vec<GranuleEvent>) {
         self.invalidate(host, len, moved);
     }
 
@@ -147,14 +148,14 @@ impl Tags for NaiveTags {
     }
 }
 
-/// Makes the tags of an empty cache; a key where its value is not supported.
-pub type MakeTags = dyn Fn(&MetaConfig) -> Result<Box<dyn Tags>, Unsupported> + Sync;
+/// Makes the tags of an empty cache; where they do not support a value, it fails with [`Error::Unsupported`] and the key.
+pub type MakeTags = dyn Fn(&MetaConfig) -> Result<Box<dyn Tags>, Error> + Sync;
 
 /// The model of a configuration.
 ///
 /// # Errors
 /// Never: the model supports all.
-pub fn model(config: &MetaConfig) -> Result<Box<dyn Tags>, Unsupported> {
+pub fn model(config: &MetaConfig) -> Result<Box<dyn Tags>, Error> {
     Ok(match config.cache.geometry.ways() {
         1 => model_of_ways::<1>(config),
         2 => model_of_ways::<2>(config),
@@ -178,26 +179,26 @@ fn model_of_ways<const WAYS: usize>(config: &MetaConfig) -> Box<dyn Tags> {
 ///
 /// # Errors
 /// Never: it supports all.
-pub fn naive(config: &MetaConfig) -> Result<Box<dyn Tags>, Unsupported> {
+pub fn naive(config: &MetaConfig) -> Result<Box<dyn Tags>, Error> {
     Ok(Box::new(NaiveTags::new(config.cache, config.granule, config.sets, config.ways)))
 }
 
 /// Tags that speak `saarcor-meta`.
-pub struct TagsServed {
+pub struct TagsAdapter {
     config: MetaConfig,
     tags: Box<dyn Tags>,
     /// What is shown of each answer.
     pub observes: Observes,
-    moved: Vec<Moved>,
+    moved: Vec<GranuleEvent>,
 }
 
-impl TagsServed {
+impl TagsAdapter {
     /// The tags of a configuration, which observe all.
     ///
     /// # Errors
     /// The key that is not supported.
-    pub fn new(config: &str, make: &MakeTags) -> Result<Self, Unsupported> {
-        let config = config::parse(config).map_err(Unsupported)?;
+    pub fn new(config: &str, make: &MakeTags) -> Result<Self, Error> {
+        let config = config::parse(config)?;
         Ok(Self { config, tags: make(&config)?, observes: Observes::ALL, moved: Vec::new() })
     }
 
@@ -234,12 +235,12 @@ fn push_seen(answer: &mut Vec<u8>, number: Option<u32>) {
     }
 }
 
-impl Served for TagsServed {
+impl Implementation for TagsAdapter {
     fn observes(&self) -> String {
         self.observes.to_string()
     }
 
-    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), &'static str> {
+    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), Error> {
         let request = Request::parse(request)?;
         super::fits(&self.config, request)?;
         self.moved.clear();
@@ -250,10 +251,10 @@ impl Served for TagsServed {
                 answer.extend_from_slice(b"ok");
             }
             Request::Flush => self.tags.flush(),
-            Request::TurnOver { byte, mask } => self.tags.flip(byte as usize, mask),
+            Request::Flip { byte, mask } => self.tags.flip(byte as usize, mask),
         }
         match request {
-            Request::Flush | Request::TurnOver { .. } => answer.extend_from_slice(b"ok"),
+            Request::Flush | Request::Flip { .. } => answer.extend_from_slice(b"ok"),
             Request::Read { .. } | Request::Invalidate { .. } if self.observes.meta => {
                 answer.push(b' ');
                 push_moved(answer, &self.moved, self.observes.bytes);

@@ -2,8 +2,9 @@
 
 use super::config;
 use super::request::{Observes, Request};
+use crate::error::Error;
 use crate::hex;
-use crate::serve::{Served, Unsupported};
+use crate::implementation::Implementation;
 use saarcor_model::vm::{CacheConfig, CardAddr, HostAddr};
 
 /// What a read did.
@@ -39,11 +40,11 @@ pub trait Cache: Send {
     fn flush(&mut self);
 }
 
-/// Makes an empty cache; a key where its value is not supported.
-pub type MakeCache = dyn Fn(&CacheConfig) -> Result<Box<dyn Cache>, Unsupported> + Sync;
+/// Makes an empty cache; where it does not support a value, it fails with [`Error::Unsupported`] and the key.
+pub type MakeCache = dyn Fn(&CacheConfig) -> Result<Box<dyn Cache>, Error> + Sync;
 
 /// A cache that speaks `saarcor-vm`.
-pub struct CacheServed {
+pub struct CacheAdapter {
     cache: Box<dyn Cache>,
     line_bytes: u64,
     /// What is shown of each answer.
@@ -51,13 +52,13 @@ pub struct CacheServed {
     bytes: Vec<u8>,
 }
 
-impl CacheServed {
+impl CacheAdapter {
     /// The cache of a configuration, which observes all.
     ///
     /// # Errors
     /// The key that is not supported.
-    pub fn new(config: &str, make: &MakeCache) -> Result<Self, Unsupported> {
-        let config = config::parse(config).map_err(Unsupported)?;
+    pub fn new(config: &str, make: &MakeCache) -> Result<Self, Error> {
+        let config = config::parse(config)?;
         let line_bytes = config.geometry.line().0;
         Ok(Self { cache: make(&config)?, line_bytes, observes: Observes::ALL, bytes: Vec::new() })
     }
@@ -91,16 +92,16 @@ impl CacheServed {
     }
 }
 
-impl Served for CacheServed {
+impl Implementation for CacheAdapter {
     fn observes(&self) -> String {
         self.observes.to_string()
     }
 
     #[inline]
-    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), &'static str> {
+    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), Error> {
         let request = Request::parse(request)?;
         if !request.fits(self.line_bytes) {
-            return Err("a read lies within one line");
+            return Err("a read lies within one line".into());
         }
         match request {
             Request::Read { host, len } => self.read(host, len, answer),
@@ -113,7 +114,7 @@ impl Served for CacheServed {
     }
 }
 
-/// Gives a request to a cache, whose answer is of no interest.
+/// Gives a request to a cache, and drops the answer.
 pub fn play(cache: &mut dyn Cache, request: &Request<'_>, bytes: &mut Vec<u8>) {
     match *request {
         Request::Write { host, digits } => {

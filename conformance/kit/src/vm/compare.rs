@@ -1,17 +1,17 @@
 //! Compares the answers of `saarcor-vm` with the model's.
 //!
-//! Nearly all answers are the model's to the letter. Only from the first that is not are requests
-//! and answers taken apart.
+//! Nearly all answers are the model's, byte for byte. Only from the first that is not are requests and
+//! answers compared word by word.
 
-use super::cache::CacheServed;
+use super::cache::CacheAdapter;
 use super::config;
 use super::host::SparseHost;
 use super::model;
 use super::request::{Observes, ReadAnswer, Request};
+use crate::comparison::{Comparison, Difference, Expected};
+use crate::error::Error;
 use crate::hex;
-use crate::kind::{Comparison, Difference};
 use crate::level::Level;
-use crate::serve::Served as _;
 use crate::session::Session;
 use saarcor_model::vm::{CacheConfig, HostAddr, HostMemory as _};
 use std::collections::HashMap;
@@ -20,10 +20,9 @@ use std::collections::HashMap;
 pub struct VmComparison<'a> {
     session: &'a Session,
     config: CacheConfig,
-    model: CacheServed,
-    expected: Vec<u8>,
+    expected: Expected<CacheAdapter>,
     compared: usize,
-    careful: Option<Careful>,
+    words: Option<WordComparison>,
 }
 
 impl<'a> VmComparison<'a> {
@@ -31,17 +30,17 @@ impl<'a> VmComparison<'a> {
     ///
     /// # Errors
     /// What is wrong with the list or the configuration.
-    pub fn new(session: &'a Session, observes: &str) -> Result<Self, String> {
+    pub fn new(session: &'a Session, observes: &str) -> Result<Self, Error> {
         let config = config::parse(session.config())?;
-        let mut model = CacheServed::new(session.config(), &model::make).map_err(|wrong| wrong.0)?;
+        let mut model = CacheAdapter::new(session.config(), &model::make)?;
         model.observes = Observes::parse(observes)?;
-        Ok(Self { session, config, model, expected: Vec::new(), compared: 0, careful: None })
+        Ok(Self { session, config, expected: Expected::new(model), compared: 0, words: None })
     }
 }
 
 impl Comparison for VmComparison<'_> {
     fn observed(&self, level: Level) -> bool {
-        let Observes { data, hit, card, .. } = self.model.observes;
+        let Observes { data, hit, card, .. } = self.expected.model.observes;
         match level {
             Level::Protocol => true,
             Level::Data => data,
@@ -58,32 +57,31 @@ impl Comparison for VmComparison<'_> {
         request: &[u8],
         answer: &[u8],
         found: &mut dyn FnMut(Difference),
-    ) -> Result<(), String> {
-        self.expected.clear();
-        self.model.answer(request, &mut self.expected)?;
+    ) -> Result<(), Error> {
+        let is_equal = self.expected.equals(request, answer)?;
         self.compared += 1;
-        if self.careful.is_none() && self.expected == answer {
+        if self.words.is_none() && is_equal {
             return Ok(());
         }
-        let careful = self.careful.get_or_insert_with(|| {
-            let mut careful = Careful::new(self.config, self.model.observes);
+        let words = self.words.get_or_insert_with(|| {
+            let mut words = WordComparison::new(self.config, self.expected.model.observes);
             let before = self.session.requests().take(self.compared - 1);
-            before.for_each(|request| careful.follow(request));
-            careful
+            before.for_each(|request| words.follow(request));
+            words
         });
-        let judged = careful.compare(request, &self.expected, answer, found);
-        careful.follow(request);
-        judged
+        let compared = words.compare(request, self.expected.answer(), answer, found);
+        words.follow(request);
+        compared
     }
 
     fn expected(&self) -> &[u8] {
-        &self.expected
+        self.expected.answer()
     }
 }
 
-/// What befell a line.
+/// What has happened to a line.
 #[derive(Clone, Debug, Default)]
-struct Life {
+struct LineHistory {
     /// It has been read.
     read: bool,
     /// It has been invalidated since it was read last.
@@ -95,16 +93,16 @@ struct Life {
 }
 
 /// Compares answers word by word, and follows the history of each line.
-struct Careful {
+struct WordComparison {
     config: CacheConfig,
     observes: Observes,
     host: SparseHost,
-    lines: HashMap<u32, Life>,
+    lines: HashMap<u32, LineHistory>,
     /// Whether hits have differed: from then on ways and victims have to differ.
     traffic_differs: bool,
 }
 
-impl Careful {
+impl WordComparison {
     fn new(config: CacheConfig, observes: Observes) -> Self {
         let (host, lines) = (SparseHost::default(), HashMap::new());
         Self { config, observes, host, lines, traffic_differs: false }
@@ -159,12 +157,12 @@ impl Careful {
         expected: &[u8],
         answer: &[u8],
         found: &mut dyn FnMut(Difference),
-    ) -> Result<(), String> {
+    ) -> Result<(), Error> {
         if expected == answer {
             return Ok(());
         }
         let Ok(Request::Read { host, len }) = Request::parse(request) else {
-            return Err("'ok' is right".to_owned());
+            return Err("'ok' is right".into());
         };
         let right = ReadAnswer::parse(expected, len, self.observes)?;
         let got = ReadAnswer::parse(answer, len, self.observes)?;
@@ -206,12 +204,12 @@ impl Careful {
         let line = self.config.geometry.line_of(HostAddr(host)).0;
         let life = self.lines.get(&line).cloned().unwrap_or_default();
         let (requirement, says) = match (hits, life) {
-            (true, Life { others_invalidated: true, .. }) => {
+            (true, LineHistory { others_invalidated: true, .. }) => {
                 ("VM-8", "a miss: the line is resident, and no invalidation since its last read met it")
             }
             (true, _) => ("VM-6", "a miss: the line is resident"),
-            (false, Life { read: false, .. }) => ("VM-4", "a hit: the line was never loaded"),
-            (false, Life { invalidated: true, .. }) => {
+            (false, LineHistory { read: false, .. }) => ("VM-4", "a hit: the line was never loaded"),
+            (false, LineHistory { invalidated: true, .. }) => {
                 ("VM-8", "a hit: the line was invalidated since its last read")
             }
             (false, _) => ("VM-6", "a hit: the line was evicted since its last read"),

@@ -1,10 +1,11 @@
 //! The configuration of `saarcor-vm`: `line=128 lines=65536 ways=4 hash=add-upper policy=lru`.
 
-use crate::MAX_LINE_BYTES;
+use crate::error::Error;
+use crate::words::{Choices, Values, name_of};
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy};
 
-/// Values of a key by their names.
-pub type Choices<T> = &'static [(&'static str, T)];
+/// Most bytes of a line of a session (Assumed), so that answers have a longest.
+pub const MAX_LINE_BYTES: usize = 1 << 16;
 
 /// Hashes by their names.
 pub const HASHES: Choices<Hash> =
@@ -23,60 +24,29 @@ const MAX_LINES: u64 = 1 << 21;
 /// The keys of a configuration.
 pub const KEYS: [&str; 5] = ["line", "lines", "ways", "hash", "policy"];
 
-/// The name of one of `choices`.
-#[must_use]
-pub fn name_of<T: PartialEq>(choices: Choices<T>, value: &T) -> &'static str {
-    choices.iter().find(|(_, choice)| choice == value).expect("every value has its name").0
-}
-
-/// The one of `choices` that is so named.
-///
-/// # Errors
-/// The names that there are.
-pub fn named<T: Copy>(choices: Choices<T>, name: &str) -> Result<T, String> {
-    let found = choices.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
-    found.ok_or_else(|| {
-        let names: Vec<_> = choices.iter().map(|(name, _)| *name).collect();
-        format!("write one of {}", names.join(", "))
-    })
-}
-
 /// The cache that a configuration names.
 ///
 /// # Errors
 /// The key that is wrong, and what would be right.
-pub fn parse(config: &str) -> Result<CacheConfig, String> {
-    let (mut line, mut lines, mut ways, mut hash, mut policy) = (None, None, None, None, None);
-    for word in config.split_ascii_whitespace() {
-        let (key, value) = word.split_once('=').ok_or_else(|| format!("'{word}': write KEY=VALUE"))?;
-        let wrong = |right: String| format!("{key}={value}: {right}");
-        let number = || value.parse::<u64>().map_err(|_| wrong("write a decimal number".to_owned()));
-        match key {
-            "line" => line = Some(number()?),
-            "lines" => lines = Some(number()?),
-            "ways" => ways = Some(number()?),
-            "hash" => hash = Some(named(HASHES, value).map_err(wrong)?),
-            "policy" => policy = Some(named(POLICIES, value).map_err(wrong)?),
-            _ => return Err(format!("'{key}': the keys are {}", KEYS.join(", "))),
-        }
-    }
-    let missing = |key: &str| format!("{key} is missing");
-    let line = line.ok_or_else(|| missing("line"))?;
-    let lines = lines.ok_or_else(|| missing("lines"))?;
-    let ways = u32::try_from(ways.ok_or_else(|| missing("ways"))?).unwrap_or(u32::MAX);
+pub fn parse(config: &str) -> Result<CacheConfig, Error> {
+    cache_of(&Values::parse(config, &KEYS)?)
+}
+
+/// The cache that some of a configuration's values name.
+pub(crate) fn cache_of(values: &Values<'_>) -> Result<CacheConfig, Error> {
+    let (line, lines): (u64, u64) = (values.number("line")?, values.number("lines")?);
+    let ways = u32::try_from(values.number::<u64>("ways")?).unwrap_or(u32::MAX);
     let memory = Bytes(line.saturating_mul(lines));
     let geometry = Geometry::new(memory, Bytes(line), ways).map_err(|error| error.to_string())?;
     if memory > MAX_MEMORY || lines > MAX_LINES || line > MAX_LINE_BYTES as u64 {
         return Err(format!(
             "{lines} lines of {line} bytes: at most {MAX_LINES} lines of {MAX_LINE_BYTES}, and {} bytes in all",
             MAX_MEMORY.0
-        ));
+        )
+        .into());
     }
-    Ok(CacheConfig {
-        geometry,
-        hash: hash.ok_or_else(|| missing("hash"))?,
-        policy: policy.ok_or_else(|| missing("policy"))?,
-    })
+    let (hash, policy) = (values.named("hash", HASHES)?, values.named("policy", POLICIES)?);
+    Ok(CacheConfig { geometry, hash, policy })
 }
 
 /// The configuration that [`parse`] reads back.
@@ -126,11 +96,11 @@ mod tests {
         let config = parse(text).expect("the paper's");
         assert_eq!((config.geometry.memory(), config.geometry.sets()), (Bytes(8 << 20), 16384));
         assert_eq!(super::text(&config), text);
-        assert_eq!(parse("policy=lru ways=4 hash=add-upper lines=65536 line=128"), Ok(config));
+        assert_eq!(parse("policy=lru ways=4 hash=add-upper lines=65536 line=128").ok(), Some(config));
     }
 
     #[test]
-    fn what_is_no_configuration_is_told() {
+    fn wrong_configurations_are_refused() {
         let whole = "line=16 lines=8 ways=2 hash=low policy=lru";
         for (from, to, says) in [
             ("line=16", "line=24", "power of two"),
@@ -143,7 +113,7 @@ mod tests {
             ("lines=8", "lines=x", "decimal"),
             ("line=16", "line", "KEY=VALUE"),
         ] {
-            let error = parse(&whole.replace(from, to)).expect_err("none");
+            let error = parse(&whole.replace(from, to)).expect_err("none").to_string();
             assert!(error.contains(says), "{from} -> {to}: {error}");
         }
     }

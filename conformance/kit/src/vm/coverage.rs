@@ -4,8 +4,9 @@ use super::cache::{Cache, play};
 use super::config;
 use super::model::ModelCache;
 use super::request::{END_OF_ADDRESSES, Request};
-use crate::kind::{Coverage, Covered};
+use crate::coverage::{Coverage, CoverageCount};
 use crate::session::Session;
+use crate::words::name_of;
 use saarcor_model::vm::{HostAddr, LineAddr, Outcome, Policy, Set};
 use std::collections::BTreeSet;
 
@@ -19,7 +20,7 @@ const SETS: u64 = 2;
 enum Event {
     Hit,
     FillsFreeWay,
-    PushesOut,
+    Evicts,
     IsInvalidated,
 }
 
@@ -85,11 +86,11 @@ impl Coverage for SmallGeometry {
         }
     }
 
-    fn rows(&self) -> Vec<Covered> {
-        let row = |(policy, all, reached): &OfPolicy| Covered {
+    fn counts(&self) -> Vec<CoverageCount> {
+        let row = |(policy, all, reached): &OfPolicy| CoverageCount {
             what: format!(
                 "sets × ways × outcomes × transitions of {} with {SETS} sets of {WAYS} ways",
-                config::name_of(config::POLICIES, policy)
+                name_of(config::POLICIES, policy)
             ),
             reached: reached.len(),
             all: all.len() * SETS as usize,
@@ -104,7 +105,7 @@ fn access(set: &Set<WAYS>, line: LineAddr, policy: Policy) -> (Case, Set<WAYS>) 
     let event = match outcome {
         Outcome::Hit { .. } => Event::Hit,
         Outcome::Miss { evicted: None, .. } => Event::FillsFreeWay,
-        Outcome::Miss { evicted: Some(_), .. } => Event::PushesOut,
+        Outcome::Miss { evicted: Some(_), .. } => Event::Evicts,
     };
     ((usize::from(outcome.way().0), event, set.order, next.order), next)
 }
@@ -156,7 +157,7 @@ mod tests {
         );
         let mut coverage = SmallGeometry::new();
         coverage.add(&session);
-        let reached: Vec<_> = coverage.rows().iter().map(|row| row.reached).collect();
+        let reached: Vec<_> = coverage.counts().iter().map(|row| row.reached).collect();
         assert_eq!(reached, [3, 0, 0]);
     }
 }

@@ -11,24 +11,24 @@ mod random;
 pub mod request;
 pub mod trace;
 
-use crate::kind::{Comparison, Coverage, Kind, Oracle};
+use crate::comparison::Comparison;
+use crate::coverage::Coverage;
+use crate::error::Error;
+use crate::implementation::Implementation;
+use crate::kind::{Kind, Oracle};
 use crate::level::Level;
-use crate::serve::{Served, Unsupported};
 use crate::session::Session;
 use crate::suites;
-use cache::CacheServed;
+use cache::CacheAdapter;
 use request::Request;
 use saarcor_model::vm::{CacheConfig, HostAddr, Policy, Set};
+use std::borrow::Cow;
 
 /// The kind `saarcor-vm`.
 #[derive(Clone, Copy, Debug)]
 pub struct Vm;
 
 impl Kind for Vm {
-    fn name(&self) -> &'static str {
-        "saarcor-vm"
-    }
-
     fn hello(&self) -> &'static str {
         "saarcor-vm 1"
     }
@@ -41,10 +41,12 @@ impl Kind for Vm {
         suites::VM
     }
 
-    fn random(&self, seed: u64, requests: usize) -> Session {
-        let config = random::config_of(seed);
-        let name = format!("{}/random/{seed}", self.prefix());
-        Session::new(&name, self.hello(), config, &random::requests(config, seed, requests))
+    fn random_config(&self, seed: u64) -> Cow<'static, str> {
+        random::config_of(seed).into()
+    }
+
+    fn random_requests(&self, config: &str, seed: u64, count: usize) -> Vec<u8> {
+        random::requests(config, seed, count)
     }
 
     fn recorded(&self, requests: usize) -> Vec<Session> {
@@ -55,25 +57,21 @@ impl Kind for Vm {
         frames.collect()
     }
 
-    fn check(&self, session: &Session) -> Result<(), String> {
-        let config = config::parse(session.config()).map_err(|wrong| format!("config: {wrong}"))?;
-        for (request, number) in session.requests().zip(1..) {
-            let line = config.geometry.line().0;
-            let wrong =
-                |right: &str| format!("request {number}, '{}': {right}", String::from_utf8_lossy(request));
-            if !Request::parse(request).map_err(wrong)?.fits(line) {
-                return Err(wrong(&format!("a read lies within one line of {line} bytes")));
-            }
-        }
-        Ok(())
+    fn check(&self, session: &Session) -> Result<(), Error> {
+        let config = config::parse(session.config()).map_err(Error::in_config)?;
+        let line = config.geometry.line().0;
+        session.check_requests(|request| match Request::parse(request)?.fits(line) {
+            true => Ok(()),
+            false => Err(format!("a read lies within one line of {line} bytes").into()),
+        })
     }
 
-    fn oracle(&self, oracle: Oracle, config: &str) -> Result<Box<dyn Served>, Unsupported> {
+    fn oracle(&self, oracle: Oracle, config: &str) -> Result<Box<dyn Implementation>, Error> {
         let make = match oracle {
             Oracle::Model => model::make,
             Oracle::Naive => naive::make,
         };
-        Ok(Box::new(CacheServed::new(config, &make)?))
+        Ok(Box::new(CacheAdapter::new(config, &make)?))
     }
 
     fn keys(&self) -> Vec<&'static str> {
@@ -84,7 +82,7 @@ impl Kind for Vm {
         &self,
         session: &'a Session,
         observes: &str,
-    ) -> Result<Box<dyn Comparison + 'a>, String> {
+    ) -> Result<Box<dyn Comparison + 'a>, Error> {
         Ok(Box::new(compare::VmComparison::new(session, observes)?))
     }
 

@@ -2,7 +2,7 @@
 
 use super::cache::{Access, Cache, Outcome};
 use super::host::SparseHost;
-use crate::serve::Unsupported;
+use crate::error::Error;
 use saarcor_model::vm::{
     CacheConfig, CardAddr, Directory, HostAddr, LineAddr, Outcome as SetOutcome, Set, VirtualMemory,
 };
@@ -71,7 +71,7 @@ impl<const WAYS: usize> Cache for ModelCache<WAYS> {
 ///
 /// # Errors
 /// Never: the model supports all.
-pub fn make(config: &CacheConfig) -> Result<Box<dyn Cache>, Unsupported> {
+pub fn make(config: &CacheConfig) -> Result<Box<dyn Cache>, Error> {
     Ok(match config.geometry.ways() {
         1 => Box::new(ModelCache::<1>::new(*config)),
         2 => Box::new(ModelCache::<2>::new(*config)),

@@ -2,7 +2,7 @@
 
 use super::cache::{Access, Cache, Outcome};
 use super::host::SparseHost;
-use crate::serve::Unsupported;
+use crate::error::Error;
 use saarcor_model::vm::{CacheConfig, CardAddr, HostAddr, HostMemory as _, LineAddr, Outcome as SetOutcome};
 use saarcor_oracles::cache::NaiveCache;
 use std::collections::HashMap;
@@ -20,7 +20,7 @@ struct NaiveMemory {
 ///
 /// # Errors
 /// Never: it supports all.
-pub fn make(config: &CacheConfig) -> Result<Box<dyn Cache>, Unsupported> {
+pub fn make(config: &CacheConfig) -> Result<Box<dyn Cache>, Error> {
     Ok(Box::new(NaiveMemory {
         cache: NaiveCache::new(*config),
         line_bytes: config.geometry.line().0,

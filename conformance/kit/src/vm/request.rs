@@ -1,6 +1,8 @@
 //! Requests and answers of `saarcor-vm`.
 
+use crate::error::Error;
 use crate::hex;
+use crate::words::{Words, list_of_names, observed_names};
 use std::fmt;
 
 /// One past the last host address.
@@ -40,43 +42,42 @@ impl<'a> Request<'a> {
     /// # Errors
     /// What would be right.
     #[inline]
-    pub fn parse(line: &'a [u8]) -> Result<Self, &'static str> {
-        let mut words = line.split(|&byte| byte == b' ');
-        let name = words.next().unwrap_or_default();
-        let mut word = || words.next().unwrap_or_default();
-        let request = match name {
+    pub fn parse(line: &'a [u8]) -> Result<Self, Error> {
+        let mut words = Words::of(line);
+        let request = match words.word() {
             b"r" => {
                 let right = "write 'r HOST LEN' in hex";
-                let (host, len) = (address(word()).ok_or(right)?, address(word()).ok_or(right)?);
+                let (host, len) = (words.address().ok_or(right)?, words.address().ok_or(right)?);
                 Self::Read { host, len }
             }
             b"w" => {
-                let host = address(word()).ok_or("write 'w HOST HEXBYTES' in hex")?;
-                let digits = word();
+                let host = words.address().ok_or("write 'w HOST HEXBYTES' in hex")?;
+                let digits = words.word();
                 let whole = digits.len() % 2 == 0 && !digits.is_empty();
                 if !whole || !digits.iter().all(u8::is_ascii_hexdigit) {
-                    return Err("write two hex digits a byte");
+                    return Err("write two hex digits a byte".into());
                 }
                 if u64::from(host) + digits.len() as u64 / 2 > END_OF_ADDRESSES {
-                    return Err("a write ends at 100000000 at last");
+                    return Err("a write ends at 100000000 at last".into());
                 }
                 Self::Write { host, digits }
             }
             b"i" => {
                 let right = "write 'i HOST LEN' in hex";
-                let (host, len) = (address(word()).ok_or(right)?, hex::number(word()).ok_or(right)?);
+                let (host, len) = (words.address().ok_or(right)?, words.number().ok_or(right)?);
                 if len == 0 {
-                    return Err("a range has at least one byte");
+                    return Err("a range has at least one byte".into());
                 }
                 if u64::from(host).saturating_add(len) > END_OF_ADDRESSES {
-                    return Err("a range ends at 100000000 at last");
+                    return Err("a range ends at 100000000 at last".into());
                 }
                 Self::Invalidate { host, len }
             }
             b"flush" => Self::Flush,
-            _ => return Err("the requests are r, w, i, flush, end"),
+            _ => return Err("the requests are r, w, i, flush, end".into()),
         };
-        if words.next().is_some() { Err("too many words") } else { Ok(request) }
+        words.end()?;
+        Ok(request)
     }
 
     /// Whether the request is legal with lines of so many bytes: a read lies within one line.
@@ -87,12 +88,6 @@ impl<'a> Request<'a> {
             _ => true,
         }
     }
-}
-
-/// A host address in hex.
-#[must_use]
-pub fn address(word: &[u8]) -> Option<u32> {
-    hex::number(word).and_then(|number| u32::try_from(number).ok())
 }
 
 impl fmt::Display for Request<'_> {
@@ -127,26 +122,18 @@ impl Observes {
     ///
     /// # Errors
     /// What would be right.
-    pub fn parse(list: &str) -> Result<Self, String> {
-        let mut observes = Self { data: false, hit: false, card: false, evict: false };
-        for name in list.split(',') {
-            match name {
-                "data" => observes.data = true,
-                "hit" => observes.hit = true,
-                "card" => observes.card = true,
-                "evict" => observes.evict = true,
-                _ => return Err(format!("'{name}' is none of data, hit, card, evict")),
-            }
-        }
-        Ok(observes)
+    pub fn parse(list: &str) -> Result<Self, Error> {
+        let [data, hit, card, evict] = observed_names(Self::NAMES, list)?;
+        Ok(Self { data, hit, card, evict })
     }
+
+    const NAMES: [&str; 4] = ["data", "hit", "card", "evict"];
 }
 
 impl fmt::Display for Observes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let all = [(self.data, "data"), (self.hit, "hit"), (self.card, "card"), (self.evict, "evict")];
-        let names: Vec<_> = all.into_iter().filter_map(|(seen, name)| seen.then_some(name)).collect();
-        f.write_str(&names.join(","))
+        let Self { data, hit, card, evict } = *self;
+        f.write_str(&list_of_names(Self::NAMES, [data, hit, card, evict]))
     }
 }
 
@@ -168,12 +155,10 @@ impl<'a> ReadAnswer<'a> {
     ///
     /// # Errors
     /// What would be right.
-    pub fn parse(line: &'a [u8], len: u32, observes: Observes) -> Result<Self, String> {
+    pub fn parse(line: &'a [u8], len: u32, observes: Observes) -> Result<Self, Error> {
         let mut words = line.split(|&byte| byte == b' ').filter(|word| !word.is_empty());
         let mut word = || words.next().unwrap_or_default();
-        let form = || {
-            "'h CARD DATA' or 'm CARD EVICTED DATA' is right, with '-' for what is not observed".to_owned()
-        };
+        let form = "'h CARD DATA' or 'm CARD EVICTED DATA' is right, with '-' for what is not observed";
         let letter = word();
         let (first, second, third) = (word(), word(), word());
         let (card, evicted, data) = match (letter, third.is_empty()) {
@@ -181,32 +166,33 @@ impl<'a> ReadAnswer<'a> {
             (b"m", false) => (first, second, third),
             (b"-", true) if !observes.hit => (first, &b"-"[..], second),
             (b"-", false) if !observes.hit => (first, second, third),
-            _ => return Err(form()),
+            _ => return Err(form.into()),
         };
         if words.next().is_some() || data.is_empty() {
-            return Err(form());
+            return Err(form.into());
         }
         let address = |word: &[u8]| match word {
             b"-" => Ok(None),
-            _ => hex::number(word).map(Some).ok_or_else(|| "an address is a hex number or '-'".to_owned()),
+            _ => hex::number(word).map(Some).ok_or("an address is a hex number or '-'"),
         };
         let (card, evicted) = (address(card)?, address(evicted)?);
         let observed = |seen: bool, answer: Option<u64>| if seen { answer } else { None };
         if observes.card && card.is_none() {
-            return Err("CARD is '-', though it is observed".to_owned());
+            return Err("CARD is '-', though it is observed".into());
         }
         let data = match data {
-            b"-" if observes.data => return Err("DATA is '-', though it is observed".to_owned()),
+            b"-" if observes.data => return Err("DATA is '-', though it is observed".into()),
             b"-" => None,
             digits if digits.len() as u64 != 2 * u64::from(len) => {
                 return Err(format!(
                     "DATA has {} digits; {len} bytes have {}",
                     digits.len(),
                     2 * u64::from(len)
-                ));
+                )
+                .into());
             }
             digits if !digits.iter().all(u8::is_ascii_hexdigit) => {
-                return Err("DATA is not hex".to_owned());
+                return Err("DATA is not hex".into());
             }
             digits => observes.data.then_some(digits),
         };
@@ -226,15 +212,13 @@ mod tests {
     #[test]
     fn requests_read_back() {
         for text in ["r 1f 4", "w ffffffff 00", "i 0 100000000", "flush"] {
-            assert_eq!(
-                Request::parse(text.as_bytes()).map(|request| request.to_string()),
-                Ok(text.to_owned())
-            );
+            let request = Request::parse(text.as_bytes()).expect(text);
+            assert_eq!(request.to_string(), text);
         }
     }
 
     #[test]
-    fn what_is_no_request_is_told() {
+    fn wrong_requests_are_refused() {
         for text in [
             "",
             "R 0 1",
@@ -265,12 +249,12 @@ mod tests {
         };
         let all = "data,hit,card,evict";
         let hit = ReadAnswer { hit: Some(true), card: Some(0x1f), evicted: None, data: Some(&b"aB"[..]) };
-        assert_eq!(parse("h 1F aB", all), Ok(hit));
+        assert_eq!(parse("h 1F aB", all).ok(), Some(hit));
         let miss = ReadAnswer { hit: Some(false), evicted: Some(0x40), ..hit };
-        assert_eq!(parse("m 1f 40 aB", all), Ok(miss));
+        assert_eq!(parse("m 1f 40 aB", all).ok(), Some(miss));
         let nothing = ReadAnswer { hit: None, card: None, evicted: None, data: Some(&b"00"[..]) };
         for text in ["- - 00", "- - - 00", "h - 00", "m 3 4 00"] {
-            assert_eq!(parse(text, "data"), Ok(nothing), "{text}");
+            assert_eq!(parse(text, "data").ok(), Some(nothing), "{text}");
         }
         for text in [
             "",
@@ -289,7 +273,7 @@ mod tests {
         ] {
             assert!(parse(text, all).is_err(), "{text}");
         }
-        assert!(Observes::parse("data,hits").is_err_and(|says| says.contains("hits")));
+        assert!(Observes::parse("data,hits").is_err_and(|says| says.to_string().contains("hits")));
         assert_eq!(Observes::ALL.to_string(), all);
     }
 }

@@ -1,18 +1,18 @@
-//! When conversations are given up, so that a verdict comes in time.
+//! When conversations are stopped, so that a verdict comes in time.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// A moment at which conversations are given up, whatever is left of their own time limits. Any thread
-/// may bring it nearer.
+/// A moment at which conversations are stopped, whatever is left of their own time limits. Any thread may bring
+/// it nearer.
 #[derive(Debug)]
-pub struct Stop {
+pub struct Deadline {
     made: Instant,
     /// Nanoseconds from `made` on; the greatest stands for never.
     after: AtomicU64,
 }
 
-impl Stop {
+impl Deadline {
     /// A moment that does not come until it is brought nearer.
     #[must_use]
     pub fn never() -> Self {
@@ -47,12 +47,12 @@ mod tests {
 
     #[test]
     fn the_nearest_moment_counts() {
-        let stop = Stop::never();
-        assert_eq!(stop.left(), Duration::MAX);
-        stop.within(Duration::from_secs(1000));
-        stop.within(Duration::from_secs(2000));
-        assert!(!stop.has_come() && stop.left() <= Duration::from_secs(1000));
-        stop.within(Duration::ZERO);
-        assert!(stop.has_come());
+        let deadline = Deadline::never();
+        assert_eq!(deadline.left(), Duration::MAX);
+        deadline.within(Duration::from_secs(1000));
+        deadline.within(Duration::from_secs(2000));
+        assert!(!deadline.has_come() && deadline.left() <= Duration::from_secs(1000));
+        deadline.within(Duration::ZERO);
+        assert!(deadline.has_come());
     }
 }

@@ -1,7 +1,7 @@
-//! Scenes made for sessions: a tree over triangles, and the requests that tell it.
+//! Scenes made for sessions: a tree over triangles, and the requests that write it to memory.
 
 use super::request::{push_bounds, push_write};
-use super::world::Scene;
+use super::scene_memory::LegalScene;
 use glam::Vec3;
 use saarcor_model::host::{
     Aabb, Axis, HostImage, KdTree, Material, NODE_BYTES, Node, REGION_ALIGNMENT, Scene as ModelScene,
@@ -17,14 +17,14 @@ const MAX_DEPTH: u32 = 5;
 
 /// Triangles with a tree over them; none has no area (HI-4).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Made {
+pub struct GeneratedScene {
     /// The tree over `triangles`.
     pub tree: KdTree,
     /// Corners.
     pub triangles: Vec<[Vec3; 3]>,
 }
 
-impl Made {
+impl GeneratedScene {
     /// Those of `triangles` that have an area, cut at random coordinates of the boxes around them. A
     /// triangle goes to each side to which its box reaches, and below a plane that it lies in.
     #[must_use]
@@ -41,11 +41,11 @@ impl Made {
 
     /// The triangles and the tree of a scene.
     #[must_use]
-    pub fn of(scene: &Scene) -> Self {
+    pub fn of(scene: &LegalScene) -> Self {
         Self { tree: scene.tree.clone(), triangles: scene.corners.clone() }
     }
 
-    /// The requests that tell it, laid out as HI-2 says: a line for the box, for each node, for all lists,
+    /// The requests that write it to memory, laid out as HI-2 says: a line for the box, for each node, for all lists,
     /// and for each triangle.
     #[must_use]
     pub fn requests(&self) -> Vec<u8> {

@@ -2,15 +2,16 @@
 
 use super::config::{self, Setting};
 use super::request::{Request, push_answer};
+use crate::error::Error;
+use crate::implementation::Implementation;
 use crate::kind::Oracle;
-use crate::serve::{Served, Unsupported};
 use saarcor_fast::chip::{ChipObserver, simulate_observed};
 use saarcor_model::time::{Programs, TimingReport};
 use saarcor_oracles::chip::naive_simulate;
 
-/// An oracle with the packets that it was told.
+/// An oracle with the packets of the requests so far.
 #[derive(Clone, Debug)]
-pub struct ChipServed {
+pub struct ChipOracle {
     oracle: Oracle,
     /// The chip.
     pub setting: Setting,
@@ -18,13 +19,13 @@ pub struct ChipServed {
     programs: Programs,
 }
 
-impl ChipServed {
+impl ChipOracle {
     /// The oracle of a configuration.
     ///
     /// # Errors
     /// The key whose value is wrong.
-    pub fn new(oracle: Oracle, config: &str) -> Result<Self, Unsupported> {
-        let setting = config::parse(config).map_err(Unsupported)?;
+    pub fn new(oracle: Oracle, config: &str) -> Result<Self, Error> {
+        let setting = config::parse(config)?;
         let programs = Programs { packets: Vec::new(), triangles: setting.triangles };
         Ok(Self { oracle, setting, before: programs.clone(), programs })
     }
@@ -50,12 +51,12 @@ impl ChipServed {
     }
 }
 
-impl Served for ChipServed {
+impl Implementation for ChipOracle {
     fn observes(&self) -> String {
         "cycles,pci,mem,l1,l2".to_owned()
     }
 
-    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), &'static str> {
+    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), Error> {
         let request = Request::parse(request)?;
         request.fits(&self.setting)?;
         if request != Request::Run {

@@ -1,6 +1,12 @@
-//! The judge of one conversation: takes the answers in their order and says how they differ.
+//! The scoreboard of one session: takes the answers of an implementation in their order, compares each with
+//! the model's, and keeps what differs.
+//!
+//! Answers may also be there already: [`check_answers`] is the last of the three filters
+//! `generate | implementation | check`.
 
-use crate::kind::{Comparison, Kind};
+use crate::comparison::Comparison;
+use crate::error::Error;
+use crate::kind::Kind;
 use crate::level::Level;
 use crate::session::Session;
 use serde::Serialize;
@@ -50,12 +56,12 @@ pub enum Stage {
     Ended,
     /// The implementation does not support the configuration.
     Unsupported,
-    /// An answer is not in the form of the protocol: what follows cannot be told.
+    /// An answer is not in the form of the protocol: what follows cannot be judged.
     Broken,
 }
 
-/// Judges the answers of one session.
-pub struct Judge<'a> {
+/// Compares the answers of one session with the model's.
+pub struct Scoreboard<'a> {
     kind: &'a dyn Kind,
     session: &'a Session,
     comparison: Option<Box<dyn Comparison + 'a>>,
@@ -69,8 +75,8 @@ pub struct Judge<'a> {
     highest: Level,
 }
 
-impl<'a> Judge<'a> {
-    /// The judge of a session up to the level `highest`, or that of the session where it is lower.
+impl<'a> Scoreboard<'a> {
+    /// The scoreboard of a session up to the level `highest`, or that of the session where it is lower.
     #[must_use]
     pub fn new(kind: &'a dyn Kind, session: &'a Session, highest: Level) -> Self {
         Self {
@@ -174,7 +180,7 @@ impl<'a> Judge<'a> {
         });
         if let Err(right) = compared {
             let expected = String::from_utf8_lossy(comparison.expected()).into_owned();
-            return self.broken("P-5", &expected, line, &right);
+            return self.broken("P-5", &expected, line, &right.to_string());
         }
         if let Some(found) = found {
             let expected = shown(comparison.expected());
@@ -213,15 +219,16 @@ impl<'a> Judge<'a> {
             self.stage = Stage::Unsupported;
             return;
         }
-        let observes = text.strip_prefix("ok observes=").ok_or_else(|| {
-            "a configuration is answered by 'ok observes=LIST' or 'unsupported KEY'".to_owned()
-        });
+        let right = "a configuration is answered by 'ok observes=LIST' or 'unsupported KEY'";
+        let observes = text.strip_prefix("ok observes=").ok_or(Error::from(right));
         match observes.and_then(|observes| self.kind.comparison(self.session, observes)) {
             Ok(comparison) => {
                 self.comparison = Some(comparison);
                 self.stage = Stage::Requests;
             }
-            Err(right) => self.broken("P-2", "ok observes=.. or unsupported KEY", line, &right),
+            Err(right) => {
+                self.broken("P-2", "ok observes=.. or unsupported KEY", line, &right.to_string());
+            }
         }
     }
 
@@ -238,6 +245,45 @@ impl<'a> Judge<'a> {
             got: shown(got),
             says: says.to_owned(),
         });
+    }
+}
+
+/// What the answers to a session come to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CheckedAnswers {
+    /// The first difference at each level.
+    pub findings: Vec<Finding>,
+    /// Requests that were answered.
+    pub answered: usize,
+    /// The highest level at which all that is observed agrees.
+    pub highest: Option<Level>,
+    /// The key that the implementation does not support.
+    pub unsupported: Option<String>,
+}
+
+/// Compares the answers to a session's requests, up to a level.
+#[must_use]
+pub fn check_answers(kind: &dyn Kind, session: &Session, answers: &[u8], level: Level) -> CheckedAnswers {
+    let mut scoreboard = Scoreboard::new(kind, session, level);
+    let sent = session.text().len();
+    let whole = answers.strip_suffix(b"\n").unwrap_or(answers);
+    for answer in whole.split(|&byte| byte == b'\n').filter(|_| !answers.is_empty()) {
+        if matches!(scoreboard.stage(), Stage::Broken | Stage::Unsupported) {
+            break;
+        }
+        scoreboard.answer(answer, sent);
+    }
+    if !scoreboard.is_done() {
+        scoreboard.silent("P-4", "the answers end before 'end' is answered");
+    }
+    let failed = scoreboard.findings().iter().map(|finding| finding.level).min();
+    let passed =
+        |level: &&Level| scoreboard.observed(**level) && failed.is_none_or(|failed| **level < failed);
+    CheckedAnswers {
+        findings: scoreboard.findings().to_vec(),
+        answered: scoreboard.answered(),
+        highest: kind.levels().iter().take_while(|other| **other <= level).filter(passed).last().copied(),
+        unsupported: scoreboard.unsupported().map(str::to_owned),
     }
 }
 

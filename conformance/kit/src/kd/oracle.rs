@@ -1,33 +1,34 @@
 //! The model and the naive reference as implementations.
 
 use super::request::{Request, push_f32s};
+use super::scene_memory::{LegalScene, SceneMemory, parse_config};
 use super::walk::trace;
-use super::world::{Scene, World, parse_config};
+use crate::error::Error;
 use crate::hex;
+use crate::implementation::Implementation;
 use crate::kind::Oracle;
-use crate::serve::{Served, Unsupported};
 use saarcor_model::rays::{Kernel, Query, Ray};
 use saarcor_oracles::exact::rational::nearest_f32;
 use saarcor_oracles::exact::{closest, solve};
 
-/// An oracle with what it was told.
+/// An oracle with the memory that the requests so far have written.
 #[derive(Clone, Debug)]
-pub struct KdServed {
+pub struct KdOracle {
     oracle: Oracle,
     kernel: Kernel,
-    world: World,
+    world: SceneMemory,
     /// The scene of the world, once a ray was asked for.
-    scene: Option<Scene>,
+    scene: Option<LegalScene>,
 }
 
-impl KdServed {
+impl KdOracle {
     /// The oracle of a configuration.
     ///
     /// # Errors
     /// The key whose value is wrong.
-    pub fn new(oracle: Oracle, config: &str) -> Result<Self, Unsupported> {
-        let kernel = parse_config(config).map_err(Unsupported)?;
-        Ok(Self { oracle, kernel, world: World::default(), scene: None })
+    pub fn new(oracle: Oracle, config: &str) -> Result<Self, Error> {
+        let kernel = parse_config(config)?;
+        Ok(Self { oracle, kernel, world: SceneMemory::default(), scene: None })
     }
 
     /// Takes what a request changes; a ray changes nothing.
@@ -41,7 +42,7 @@ impl KdServed {
     ///
     /// # Errors
     /// Why there is none.
-    pub fn scene(&mut self) -> Result<(&Scene, &[u8]), String> {
+    pub fn scene(&mut self) -> Result<(&LegalScene, &[u8]), Error> {
         let scene = match self.scene.take() {
             Some(scene) => scene,
             None => self.world.scene(self.kernel)?,
@@ -50,7 +51,7 @@ impl KdServed {
     }
 }
 
-impl Served for KdServed {
+impl Implementation for KdOracle {
     fn observes(&self) -> String {
         match self.oracle {
             Oracle::Model => "triangle,t,uv,touched".to_owned(),
@@ -58,7 +59,7 @@ impl Served for KdServed {
         }
     }
 
-    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), &'static str> {
+    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), Error> {
         let request = Request::parse(request)?;
         let Request::Trace(query, ray) = request else {
             self.change(&request);
@@ -75,7 +76,7 @@ impl Served for KdServed {
     }
 }
 
-fn model(scene: &Scene, memory: &[u8], ray: &Ray, query: Query, answer: &mut Vec<u8>) {
+fn model(scene: &LegalScene, memory: &[u8], ray: &Ray, query: Query, answer: &mut Vec<u8>) {
     let (hits, touched) = trace(memory, scene, ray, query);
     let hit = hits.is_hit(0).then_some((hits.triangle[0], [hits.t[0], hits.u[0], hits.v[0]]));
     push_answer(answer, query, hit);
@@ -95,7 +96,7 @@ fn model(scene: &Scene, memory: &[u8], ray: &Ray, query: Query, answer: &mut Vec
 }
 
 /// All triangles, exactly; of those hit first the one at the lowest address.
-fn naive(scene: &Scene, ray: &Ray, query: Query, answer: &mut Vec<u8>) {
+fn naive(scene: &LegalScene, ray: &Ray, query: Query, answer: &mut Vec<u8>) {
     let numbered = (0..).zip(scene.corners.iter().copied());
     let first = closest(ray, numbered).and_then(|closest| closest.triangles.first().copied());
     let hit = first.and_then(|(place, _)| {

@@ -1,11 +1,12 @@
 //! An implementation as a child process: written to and read from at once, within a time limit, in
 //! bounded memory, and gone afterwards with all that it started.
 
-use crate::dut::{Dut, Ending, Timeout};
-use crate::judge::{Judge, Stage};
+use crate::deadline::Deadline;
+use crate::dut::{ConversationEnd, Dut, Timeout};
+use crate::error::Error;
+use crate::scoreboard::{Scoreboard, Stage};
 use crate::session::Session;
-use crate::stop::Stop;
-use anyhow::{Context, Result};
+use crate::vm::config::MAX_LINE_BYTES;
 use memchr::memchr;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
@@ -23,7 +24,7 @@ use std::time::{Duration, Instant};
 /// Bytes that are read and written at a time: what a pipe holds.
 const BUFFER: usize = 1 << 16;
 /// Longest answer: twice the longest line in hex digits.
-const MAX_ANSWER: usize = 4 * crate::MAX_LINE_BYTES;
+const MAX_ANSWER: usize = 4 * MAX_LINE_BYTES;
 /// Bytes of standard error that are kept: its end.
 const STDERR_KEPT: usize = 4096;
 /// Time to exit for a process that has closed its output too early: to learn its status.
@@ -45,12 +46,17 @@ pub struct Process {
 }
 
 impl Dut for Process {
-    fn converse(&self, session: &Session, judge: &mut Judge<'_>, stop: &Stop) -> Result<Ending> {
-        let mut running = Running::start(self)?;
-        let timeout = running.hold(session.text(), judge, self.time_limit, stop);
+    fn converse(
+        &self,
+        session: &Session,
+        scoreboard: &mut Scoreboard<'_>,
+        deadline: &Deadline,
+    ) -> Result<ConversationEnd, Error> {
+        let mut running = RunningProcess::start(self)?;
+        let timeout = running.hold(session.text(), scoreboard, self.time_limit, deadline);
         running.kill();
         running.read_stderr();
-        Ok(Ending { timeout, stderr: String::from_utf8_lossy(&running.stderr_tail).into_owned() })
+        Ok(ConversationEnd { timeout, stderr: String::from_utf8_lossy(&running.stderr_tail).into_owned() })
     }
 
     fn time_limit(&self) -> Option<Duration> {
@@ -90,8 +96,9 @@ static STARTING: RwLock<()> = RwLock::new(());
 ///
 /// # Errors
 /// Where signals cannot be waited for.
-pub fn kill_all_when_ended() -> Result<()> {
-    let mut signals = Signals::new([SIGINT, SIGTERM, SIGHUP]).context("signals cannot be waited for")?;
+pub fn kill_all_when_ended() -> Result<(), Error> {
+    let mut signals =
+        Signals::new([SIGINT, SIGTERM, SIGHUP]).map_err(Error::system("signals cannot be waited for"))?;
     std::thread::spawn(move || {
         if let Some(signal) = signals.forever().next() {
             let _none_is_started = STARTING.write();
@@ -128,7 +135,7 @@ fn children() -> Vec<Pid> {
 }
 
 /// A process with its pipes. However it is dropped, its group is killed.
-struct Running {
+struct RunningProcess {
     child: Child,
     stdin: Option<ChildStdin>,
     stdout: ChildStdout,
@@ -139,23 +146,23 @@ struct Running {
     stderr_tail: Vec<u8>,
 }
 
-/// What a look at standard output gave.
+/// What a read of standard output gave.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Looked {
+enum ReadOutcome {
     Nothing,
     Answers,
     EndOfFile,
 }
 
-impl Running {
-    fn start(process: &Process) -> Result<Self> {
+impl RunningProcess {
+    fn start(process: &Process) -> Result<Self, Error> {
         let mut command = shell(&process.command, process.folder.as_ref());
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let _may_start = STARTING.read();
-        let mut child =
-            command.spawn().with_context(|| format!("'{}' cannot be started", process.command))?;
+        let started = command.spawn();
+        let mut child = started.map_err(Error::system(format!("'{}' cannot be started", process.command)))?;
         let (stdin, stdout, stderr) = (child.stdin.take(), child.stdout.take(), child.stderr.take());
-        let stdout = stdout.context("standard output of the implementation")?;
+        let stdout = stdout.ok_or("standard output of the implementation")?;
         let running = Self {
             child,
             stdin,
@@ -171,25 +178,31 @@ impl Running {
         Ok(running)
     }
 
-    /// Holds the conversation until the judge has all, or nothing more can come.
-    fn hold(&mut self, text: &[u8], judge: &mut Judge<'_>, limit: Duration, stop: &Stop) -> Option<Timeout> {
+    /// Holds the conversation until the scoreboard has all answers, or nothing more can come.
+    fn hold(
+        &mut self,
+        text: &[u8],
+        scoreboard: &mut Scoreboard<'_>,
+        limit: Duration,
+        deadline: &Deadline,
+    ) -> Option<Timeout> {
         let began = Instant::now();
         let mut last_answer = began;
         let mut sent = 0;
-        while !matches!(judge.stage(), Stage::Broken | Stage::Unsupported) {
+        while !matches!(scoreboard.stage(), Stage::Broken | Stage::Unsupported) {
             let left = limit.saturating_sub(began.elapsed());
             if left.is_zero() {
                 let silent = last_answer.elapsed() > limit / 2;
-                return Some(if silent { self.hung(judge, limit) } else { Timeout::Slow });
+                return Some(if silent { self.hung(scoreboard, limit) } else { Timeout::Slow });
             }
-            if stop.has_come() {
+            if deadline.has_come() {
                 return Some(Timeout::Stopped);
             }
-            self.wait(left.min(stop.left()).min(STOP_POLL));
-            match self.read_answers(judge, sent) {
-                Looked::Answers => last_answer = Instant::now(),
-                Looked::Nothing => {}
-                Looked::EndOfFile => return self.ended(judge, began + limit, stop),
+            self.wait(left.min(deadline.left()).min(STOP_POLL));
+            match self.read_answers(scoreboard, sent) {
+                ReadOutcome::Answers => last_answer = Instant::now(),
+                ReadOutcome::Nothing => {}
+                ReadOutcome::EndOfFile => return self.ended(scoreboard, began + limit, deadline),
             }
             self.read_stderr();
             sent += self.write(&text[sent..]);
@@ -197,12 +210,13 @@ impl Running {
         None
     }
 
-    fn hung(&self, judge: &mut Judge<'_>, limit: Duration) -> Timeout {
+    fn hung(&self, scoreboard: &mut Scoreboard<'_>, limit: Duration) -> Timeout {
         let limit = limit.as_secs_f64();
-        if judge.stage() == Stage::Ended {
-            judge.misbehaves("P-6", &format!("does not end within the time limit of {limit} s after 'end'"));
+        if scoreboard.stage() == Stage::Ended {
+            scoreboard
+                .misbehaves("P-6", &format!("does not end within the time limit of {limit} s after 'end'"));
         } else {
-            judge.silent("P-8", &format!("no answer within the time limit of {limit} s"));
+            scoreboard.silent("P-8", &format!("no answer within the time limit of {limit} s"));
         }
         Timeout::Hung
     }
@@ -217,36 +231,36 @@ impl Running {
         let _ = poll(&mut fds, Some(&left));
     }
 
-    /// Hands whole lines to the judge; a look takes what one read gives.
-    fn read_answers(&mut self, judge: &mut Judge<'_>, sent: usize) -> Looked {
+    /// Hands whole lines to the scoreboard; takes what one read gives.
+    fn read_answers(&mut self, scoreboard: &mut Scoreboard<'_>, sent: usize) -> ReadOutcome {
         if self.pending == self.answers.len() {
             if self.answers.len() >= MAX_ANSWER {
                 let says = format!("an answer of more than {MAX_ANSWER} bytes without a newline");
-                judge.silent("P-5", &says);
-                return Looked::Answers;
+                scoreboard.silent("P-5", &says);
+                return ReadOutcome::Answers;
             }
             self.answers.resize(2 * self.answers.len(), 0);
         }
         let read = match self.stdout.read(&mut self.answers[self.pending..]) {
-            Ok(0) => return Looked::EndOfFile,
+            Ok(0) => return ReadOutcome::EndOfFile,
             Ok(read) => read,
             Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {
-                return Looked::Nothing;
+                return ReadOutcome::Nothing;
             }
-            Err(_) => return Looked::EndOfFile,
+            Err(_) => return ReadOutcome::EndOfFile,
         };
         let end = self.pending + read;
         let mut begin = 0;
         while let Some(length) = memchr(b'\n', &self.answers[begin..end]) {
-            judge.answer(&self.answers[begin..begin + length], sent);
+            scoreboard.answer(&self.answers[begin..begin + length], sent);
             begin += length + 1;
-            if matches!(judge.stage(), Stage::Broken | Stage::Unsupported) {
+            if matches!(scoreboard.stage(), Stage::Broken | Stage::Unsupported) {
                 break;
             }
         }
         self.answers.copy_within(begin..end, 0);
         self.pending = end - begin;
-        if begin > 0 { Looked::Answers } else { Looked::Nothing }
+        if begin > 0 { ReadOutcome::Answers } else { ReadOutcome::Nothing }
     }
 
     /// Takes a part of standard error, and keeps its end.
@@ -270,7 +284,7 @@ impl Running {
         let sent = match stdin.write(&rest[..rest.len().min(BUFFER)]) {
             Ok(sent) => sent,
             Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => return 0,
-            // It reads no more. Whether it should have, its answers tell.
+            // It reads no more. Its answers show whether it should have.
             Err(_) => {
                 self.stdin = None;
                 return 0;
@@ -283,13 +297,18 @@ impl Running {
     }
 
     /// Standard output has ended: says so where answers lack, else waits for the exit.
-    fn ended(&mut self, judge: &mut Judge<'_>, deadline: Instant, stop: &Stop) -> Option<Timeout> {
+    fn ended(
+        &mut self,
+        scoreboard: &mut Scoreboard<'_>,
+        exit_by: Instant,
+        deadline: &Deadline,
+    ) -> Option<Timeout> {
         // After the end it has all of its time to exit. Before, only how it exits is still of interest.
-        let all_answered = judge.stage() == Stage::Ended && self.pending == 0;
-        let deadline = if all_answered { deadline } else { deadline.min(Instant::now() + EXIT_GRACE) };
+        let all_answered = scoreboard.stage() == Stage::Ended && self.pending == 0;
+        let exit_by = if all_answered { exit_by } else { exit_by.min(Instant::now() + EXIT_GRACE) };
         let mut exit = self.exit();
-        while exit.is_none() && Instant::now() < deadline {
-            if stop.has_come() {
+        while exit.is_none() && Instant::now() < exit_by {
+            if deadline.has_come() {
                 return Some(Timeout::Stopped);
             }
             std::thread::sleep(EXIT_POLL);
@@ -297,16 +316,16 @@ impl Running {
             exit = self.exit();
         }
         let how = exit.as_deref().unwrap_or("closed its output");
-        if judge.stage() != Stage::Ended {
+        if scoreboard.stage() != Stage::Ended {
             let more = if self.pending > 0 { ", in the middle of an answer" } else { "" };
-            judge.silent("P-7", &format!("the implementation {how}{more}"));
+            scoreboard.silent("P-7", &format!("the implementation {how}{more}"));
         } else if self.pending > 0 {
-            judge.misbehaves("P-4", "output after the answer to 'end'");
+            scoreboard.misbehaves("P-4", "output after the answer to 'end'");
         } else if exit.is_none() {
-            judge.misbehaves("P-6", "does not end within the time limit after 'end'");
+            scoreboard.misbehaves("P-6", "does not end within the time limit after 'end'");
             return Some(Timeout::Hung);
         } else if how != SUCCESS {
-            judge.misbehaves("P-6", &format!("the implementation {how} after 'end'"));
+            scoreboard.misbehaves("P-6", &format!("the implementation {how} after 'end'"));
         }
         None
     }
@@ -332,13 +351,14 @@ impl Running {
 
 const SUCCESS: &str = "ended with status 0";
 
-impl Drop for Running {
+impl Drop for RunningProcess {
     fn drop(&mut self) {
         self.kill();
     }
 }
 
-fn nonblocking(fd: &impl AsFd) -> Result<()> {
-    let flags = fcntl_getfl(fd).context("pipe to the implementation")?;
-    fcntl_setfl(fd, flags | OFlags::NONBLOCK).context("pipe to the implementation")
+fn nonblocking(fd: &impl AsFd) -> Result<(), Error> {
+    let what = "pipe to the implementation";
+    let flags = fcntl_getfl(fd).map_err(Error::system(what))?;
+    fcntl_setfl(fd, flags | OFlags::NONBLOCK).map_err(Error::system(what))
 }

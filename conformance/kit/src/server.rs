@@ -1,50 +1,30 @@
-//! An implementation in process, and the protocol around it.
+//! The protocol around an implementation in process: hello, configuration, requests, end.
 
-use crate::KINDS;
+use crate::error::Error;
+use crate::implementation::Implementation;
 use crate::kind::Kind;
-use std::fmt;
+use crate::kinds::kind_of_hello;
 use std::io::{self, BufRead, BufReader, Read, Write};
 
 /// Bytes that are read and written at a time.
 const BUFFER: usize = 1 << 16;
 
-/// A value of the configuration that an implementation does not support, by its key.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Unsupported(pub String);
-
-impl fmt::Display for Unsupported {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "unsupported {}", self.0)
-    }
-}
-
-/// A configured implementation: requests in, answers out, both lines without their newlines.
-pub trait Served: Send {
-    /// The list after `observes=`.
-    fn observes(&self) -> String;
-
-    /// Appends the answer to a request.
-    ///
-    /// # Errors
-    /// What would be right, where the line is no request.
-    fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), &'static str>;
-}
-
-/// Makes a configured implementation of a kind.
-pub type MakeServed = dyn Fn(&dyn Kind, &str) -> Result<Box<dyn Served>, Unsupported> + Sync;
+/// Makes an implementation of a kind and a configuration; where it does not support a value, it fails with
+/// [`Error::Unsupported`] and the key.
+pub type MakeImplementation = dyn Fn(&dyn Kind, &str) -> Result<Box<dyn Implementation>, Error> + Sync;
 
 /// The conversation as an implementation holds it: hello, configuration, requests, end.
 pub struct Server<'a> {
-    make: &'a MakeServed,
+    make: &'a MakeImplementation,
     kind: Option<&'static dyn Kind>,
-    served: Option<Box<dyn Served>>,
+    implementation: Option<Box<dyn Implementation>>,
 }
 
 impl<'a> Server<'a> {
     /// A conversation that has not begun.
     #[must_use]
-    pub fn new(make: &'a MakeServed) -> Self {
-        Self { make, kind: None, served: None }
+    pub fn new(make: &'a MakeImplementation) -> Self {
+        Self { make, kind: None, implementation: None }
     }
 
     /// Appends the answer to a line, with its newline; nothing to a comment. Returns whether more
@@ -55,39 +35,41 @@ impl<'a> Server<'a> {
             return true;
         }
         let more = line != b"end";
-        let said = match (&mut self.served, self.kind) {
+        let said = match (&mut self.implementation, self.kind) {
             _ if !more => {
                 answer.extend_from_slice(b"end");
                 Ok(())
             }
-            (Some(served), _) => served.answer(line, answer),
+            (Some(implementation), _) => implementation.answer(line, answer),
             (None, None) => self.hello(line, answer),
             (None, Some(kind)) => self.configure(kind, line, answer),
         };
         if let Err(right) = said {
-            answer.extend_from_slice(b"? ");
-            answer.extend_from_slice(right.as_bytes());
+            let _ = write!(answer, "? {right}");
         }
         answer.push(b'\n');
         more
     }
 
-    fn hello(&mut self, line: &[u8], answer: &mut Vec<u8>) -> Result<(), &'static str> {
-        let kind = KINDS.iter().find(|kind| kind.hello().as_bytes() == line);
-        self.kind = Some(*kind.ok_or("no such kind or version")?);
+    fn hello(&mut self, line: &[u8], answer: &mut Vec<u8>) -> Result<(), Error> {
+        self.kind = Some(kind_of_hello(line).ok_or("no such kind or version")?);
         answer.extend_from_slice(line);
         Ok(())
     }
 
-    fn configure(&mut self, kind: &dyn Kind, line: &[u8], answer: &mut Vec<u8>) -> Result<(), &'static str> {
+    fn configure(&mut self, kind: &dyn Kind, line: &[u8], answer: &mut Vec<u8>) -> Result<(), Error> {
         let config = line.strip_prefix(b"config ").and_then(|config| std::str::from_utf8(config).ok());
         match (self.make)(kind, config.ok_or("write 'config KEY=VALUE ..'")?) {
-            Ok(served) => {
-                let _ = write!(answer, "ok observes={}", served.observes());
-                self.served = Some(served);
+            Ok(implementation) => {
+                let _ = write!(answer, "ok observes={}", implementation.observes());
+                self.implementation = Some(implementation);
             }
-            Err(unsupported) => {
+            Err(unsupported @ Error::Unsupported(_)) => {
                 let _ = write!(answer, "{unsupported}");
+            }
+            // No value of it is supported.
+            Err(wrong) => {
+                let _ = write!(answer, "unsupported {wrong}");
             }
         }
         Ok(())
@@ -98,7 +80,7 @@ impl<'a> Server<'a> {
 ///
 /// # Errors
 /// Where a stream fails.
-pub fn serve(make: &MakeServed, input: impl Read, mut output: impl Write) -> io::Result<()> {
+pub fn serve(make: &MakeImplementation, input: impl Read, mut output: impl Write) -> io::Result<()> {
     let mut input = BufReader::with_capacity(BUFFER, input);
     let mut server = Server::new(make);
     let (mut line, mut answers) = (Vec::new(), Vec::new());

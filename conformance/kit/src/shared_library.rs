@@ -7,13 +7,13 @@
 // for the library to keep, and no compiler can check it. What is called here follows saarcor.h.
 #![allow(unsafe_code, reason = "calls of another language have no other form")]
 
+use crate::error::Error;
+use crate::implementation::Implementation;
 use crate::kind::Kind;
-use crate::serve::Unsupported;
 use crate::vm::Vm;
-use crate::vm::cache::{Access, Cache, CacheServed, Outcome};
+use crate::vm::cache::{Access, Cache, CacheAdapter, Outcome};
 use crate::vm::config::KEYS;
 use crate::vm::request::Observes;
-use anyhow::{Context, Result};
 use libloading::Library;
 use saarcor_model::vm::{CacheConfig, CardAddr, Hash, HostAddr, Policy};
 use std::io::{BufRead as _, BufReader, Read, Write};
@@ -21,6 +21,9 @@ use std::path::Path;
 
 /// `SAARCOR_VM_VERSION`.
 const VERSION: u32 = 1;
+
+/// What fails where a stream does.
+const STREAM: &str = "the conversation over standard input and output";
 
 /// `SAARCOR_NOTHING_EVICTED`.
 const NOTHING_EVICTED: u64 = u64::MAX;
@@ -38,7 +41,7 @@ struct Config {
 /// `saarcor_access`.
 #[repr(C)]
 #[derive(Default)]
-struct Answered {
+struct LibraryAccess {
     card: u64,
     evicted: u64,
     hit: u32,
@@ -51,7 +54,7 @@ struct Calls {
     observes: unsafe extern "C" fn() -> u32,
     configure: unsafe extern "C" fn(*const Config) -> u32,
     write: unsafe extern "C" fn(u32, *const u8, u64),
-    read: unsafe extern "C" fn(u32, *mut u8, u32, *mut Answered),
+    read: unsafe extern "C" fn(u32, *mut u8, u32, *mut LibraryAccess),
     invalidate: unsafe extern "C" fn(u32, u64),
     flush: unsafe extern "C" fn(),
 }
@@ -84,7 +87,7 @@ impl Cache for LibraryCache {
     }
 
     fn read(&mut self, host: HostAddr, bytes: &mut [u8]) -> Access {
-        let mut answered = Answered::default();
+        let mut answered = LibraryAccess::default();
         // SAFETY: pointer and length are those of a slice of at most a line, which can be written to.
         unsafe { (self.0.read)(host.0, bytes.as_mut_ptr(), bytes.len() as u32, &raw mut answered) };
         let evicted = Some(answered.evicted).filter(|&evicted| evicted != NOTHING_EVICTED);
@@ -106,12 +109,12 @@ impl Cache for LibraryCache {
     }
 }
 
-/// An address that a library tells; one of more than 32 bits is the greatest, and so as wrong.
-fn address(told: u64) -> u32 {
-    u32::try_from(told).unwrap_or(u32::MAX)
+/// An address that a library returns. One of more than 32 bits becomes the greatest, and so stays wrong.
+fn address(returned: u64) -> u32 {
+    u32::try_from(returned).unwrap_or(u32::MAX)
 }
 
-fn configured(calls: Calls, config: &CacheConfig) -> Result<Box<dyn Cache>, Unsupported> {
+fn configured(calls: Calls, config: &CacheConfig) -> Result<Box<dyn Cache>, Error> {
     let CacheConfig { geometry, hash, policy } = config;
     let hash = match hash {
         Hash::Low => 0,
@@ -129,7 +132,10 @@ fn configured(calls: Calls, config: &CacheConfig) -> Result<Box<dyn Cache>, Unsu
     let unsupported = unsafe { (calls.configure)(&raw const config) };
     match unsupported {
         0 => Ok(Box::new(LibraryCache(calls))),
-        key => Err(Unsupported(KEYS.get(key as usize - 1).map_or(key.to_string(), |key| (*key).to_owned()))),
+        key => {
+            let name = KEYS.get(key as usize - 1).map_or(key.to_string(), |key| (*key).to_owned());
+            Err(Error::Unsupported(name))
+        }
     }
 }
 
@@ -138,32 +144,35 @@ fn configured(calls: Calls, config: &CacheConfig) -> Result<Box<dyn Cache>, Unsu
 ///
 /// # Errors
 /// Where the file is no such library, or a stream fails.
-pub fn serve(path: &Path, input: impl Read, mut output: impl Write) -> Result<()> {
+pub fn serve(path: &Path, input: impl Read, mut output: impl Write) -> Result<(), Error> {
     let shown = path.display();
     // SAFETY: to load a library runs what it begins with, which is as trustworthy as a command line
     // that is run.
-    let library = unsafe { Library::new(path) }.with_context(|| format!("{shown}: cannot be loaded"))?;
-    let calls = Calls::of(&library).with_context(|| format!("{shown}: lacks a function of saarcor.h"))?;
+    let library = unsafe { Library::new(path) };
+    let what = format!("{shown}: cannot be loaded");
+    let library = library.map_err(|source| Error::Library { what, source })?;
+    let what = format!("{shown}: lacks a function of saarcor.h");
+    let calls = Calls::of(&library).map_err(|source| Error::Library { what, source })?;
     // SAFETY: take nothing, and the library is loaded.
     let (version, observed) = unsafe { ((calls.version)(), (calls.observes)()) };
     if version != VERSION {
-        // As a program of another version does: the judge says what is right.
+        // As a program of another version does: the scoreboard says what is right.
         let mut hello = String::new();
-        BufReader::new(input).read_line(&mut hello)?;
-        return Ok(writeln!(output, "{} {version}", Vm.name())?);
+        BufReader::new(input).read_line(&mut hello).map_err(Error::system(STREAM))?;
+        return writeln!(output, "{} {version}", Vm.name()).map_err(Error::system(STREAM));
     }
     let seen = |bit: u32| observed & bit != 0;
     let observes = Observes { data: seen(1), hit: seen(2), card: seen(4), evict: seen(8) };
     let make = move |kind: &dyn Kind, text: &str| {
         if kind.name() != Vm.name() {
-            return Err(Unsupported(kind.name().to_owned()));
+            return Err(Error::Unsupported(kind.name().to_owned()));
         }
         if observed > 15 {
-            return Err(Unsupported(format!("observes of {observed:x}")));
+            return Err(Error::Unsupported(format!("observes of {observed:x}")));
         }
-        let mut served = CacheServed::new(text, &move |config: &CacheConfig| configured(calls, config))?;
-        served.observes = observes;
-        Ok(Box::new(served) as Box<dyn crate::serve::Served>)
+        let mut adapter = CacheAdapter::new(text, &move |config: &CacheConfig| configured(calls, config))?;
+        adapter.observes = observes;
+        Ok(Box::new(adapter) as Box<dyn Implementation>)
     };
-    Ok(crate::serve::serve(&make, input, output)?)
+    crate::server::serve(&make, input, output).map_err(Error::system(STREAM))
 }

@@ -1,8 +1,9 @@
-//! What the driver has told of a scene, and what it makes.
+//! The host's memory as the driver has written it, and the scene that lies there.
 
 use super::request::{END_OF_ADDRESSES, Request};
+use crate::error::Error;
 use crate::hex;
-use crate::vm::config::{Choices, named};
+use crate::words::{Choices, Values};
 use glam::Vec3;
 use saarcor_model::host::{
     Aabb, Features, KdTree, LIST_ENTRY_BYTES, ListEntry, NODE_BYTES, Node, NodeRecord, Registers,
@@ -27,22 +28,19 @@ const MAX_ITEMS: usize = 1 << 16;
 ///
 /// # Errors
 /// The key that is wrong, and what would be right.
-pub fn parse_config(config: &str) -> Result<Kernel, String> {
-    match config.split_once('=') {
-        Some(("kernel", value)) => named(KERNELS, value).map_err(|right| format!("{config}: {right}")),
-        _ => Err(format!("'{config}': write kernel=KERNEL")),
-    }
+pub fn parse_config(config: &str) -> Result<Kernel, Error> {
+    Values::parse(config, &["kernel"])?.named("kernel", KERNELS)
 }
 
-/// The host's memory, and the box: what requests change.
+/// The host's memory, and the box around the scene: what requests change.
 #[derive(Clone, Debug, Default)]
-pub struct World {
+pub struct SceneMemory {
     /// From address 0 on; zero behind its end.
     pub memory: Vec<u8>,
     bounds: Option<Aabb>,
 }
 
-impl World {
+impl SceneMemory {
     /// What a request changes; rays change nothing. Returns whether it is one that changes something.
     pub fn change(&mut self, request: &Request<'_>) -> bool {
         match *request {
@@ -68,9 +66,9 @@ impl World {
     /// # Errors
     /// Why it is none that the driver may hand over (KD-2, HI-4), or not one in which a search over all
     /// triangles gives what a traversal does.
-    pub fn scene(&self, kernel: Kernel) -> Result<Scene, String> {
+    pub fn scene(&self, kernel: Kernel) -> Result<LegalScene, Error> {
         let bounds = self.bounds.ok_or("a ray before the box, 'b X0 Y0 Z0 X1 Y1 Z1'")?;
-        let mut reading = Reading { memory: &self.memory, refs: Vec::new(), triangles: BTreeMap::new() };
+        let mut reading = TreeReader { memory: &self.memory, refs: Vec::new(), triangles: BTreeMap::new() };
         let nodes = reading.nodes()?;
         // Triangles by their addresses, and lists by the places there.
         let places: BTreeMap<u32, u32> = reading.triangles.keys().copied().zip(0..).collect();
@@ -80,19 +78,21 @@ impl World {
         for (corners, addr) in corners.iter().zip(&addresses) {
             let fits = |corner: &Vec3| corner.cmpge(bounds.min).all() && corner.cmple(bounds.max).all();
             if !corners.iter().all(fits) {
-                return Err(format!("the triangle at {addr:x} lies outside of the box, or is not finite"));
+                return Err(
+                    format!("the triangle at {addr:x} lies outside of the box, or is not finite").into()
+                );
             }
             if (Triangle { corners: *corners, material: 0 }).is_degenerate() {
-                return Err(format!("the triangle at {addr:x} has no area"));
+                return Err(format!("the triangle at {addr:x} has no area").into());
             }
         }
-        let scene = Scene { registers: registers(bounds, kernel), tree, addresses, corners };
+        let scene = LegalScene { registers: registers(bounds, kernel), tree, addresses, corners };
         scene.check_lists()?;
         Ok(scene)
     }
 }
 
-/// What the driver tells the chip, of which traversal and intersection read the first three.
+/// The registers of the chip, of which traversal and intersection read the first three.
 fn registers(bounds: Aabb, kernel: Kernel) -> Registers {
     let features = Features {
         textures: false,
@@ -117,17 +117,17 @@ fn registers(bounds: Aabb, kernel: Kernel) -> Registers {
 }
 
 /// Reads a tree from memory.
-struct Reading<'a> {
+struct TreeReader<'a> {
     memory: &'a [u8],
     /// Addresses of triangles, leaf by leaf.
     refs: Vec<u32>,
     triangles: BTreeMap<u32, [Vec3; 3]>,
 }
 
-impl Reading<'_> {
-    fn fetch<const N: usize>(&self, addr: u32, what: &str) -> Result<[u8; N], String> {
+impl TreeReader<'_> {
+    fn fetch<const N: usize>(&self, addr: u32, what: &str) -> Result<[u8; N], Error> {
         if u64::from(addr) + N as u64 > END_OF_ADDRESSES {
-            return Err(format!("the {what} at {addr:x} lies behind the last address"));
+            return Err(format!("the {what} at {addr:x} lies behind the last address").into());
         }
         let mut bytes = [0; N];
         self.memory.read(HostAddr(addr), &mut bytes);
@@ -135,7 +135,7 @@ impl Reading<'_> {
     }
 
     /// The nodes level by level, so that children follow their parents, and one another.
-    fn nodes(&mut self) -> Result<Vec<Node>, String> {
+    fn nodes(&mut self) -> Result<Vec<Node>, Error> {
         let mut nodes = Vec::new();
         let mut open = VecDeque::from([0_u32]);
         // Nodes that have their number: those before, and those that wait.
@@ -146,7 +146,9 @@ impl Reading<'_> {
                     let children = numbered;
                     numbered += 2;
                     if numbered as usize > MAX_ITEMS {
-                        return Err(format!("over {MAX_ITEMS} nodes: a node is its own child, or too many"));
+                        return Err(
+                            format!("over {MAX_ITEMS} nodes: a node is its own child, or too many").into()
+                        );
                     }
                     open.extend([below.0, below.0.saturating_add(NODE_BYTES)]);
                     Node::Inner { axis, split, children }
@@ -154,7 +156,7 @@ impl Reading<'_> {
                 NodeRecord::Leaf { list, count } => {
                     let first = self.refs.len();
                     if first + count as usize > MAX_ITEMS {
-                        return Err(format!("over {MAX_ITEMS} list entries"));
+                        return Err(format!("over {MAX_ITEMS} list entries").into());
                     }
                     for place in 0..count {
                         self.entry(list.0.saturating_add(place * LIST_ENTRY_BYTES))?;
@@ -166,10 +168,10 @@ impl Reading<'_> {
         Ok(nodes)
     }
 
-    fn entry(&mut self, addr: u32) -> Result<(), String> {
+    fn entry(&mut self, addr: u32) -> Result<(), Error> {
         let ListEntry { triangle, tag } = ListEntry::decode(self.fetch(addr, "list entry")?);
         if tag != 0 {
-            return Err(format!("the list entry at {addr:x} is no multiple of 4"));
+            return Err(format!("the list entry at {addr:x} is no multiple of 4").into());
         }
         let bytes: [u8; TRIANGLE_BYTES as usize] = self.fetch(triangle.0, "triangle")?;
         let mut words = bytes.as_chunks().0.iter().map(|word| f32::from_le_bytes(*word));
@@ -183,8 +185,8 @@ impl Reading<'_> {
 
 /// A scene that is legal.
 #[derive(Clone, Debug)]
-pub struct Scene {
-    /// What the driver tells the chip.
+pub struct LegalScene {
+    /// The registers that the driver sets.
     pub registers: Registers,
     /// The tree over `corners`.
     pub tree: KdTree,
@@ -194,11 +196,11 @@ pub struct Scene {
     pub corners: Vec<[Vec3; 3]>,
 }
 
-impl Scene {
+impl LegalScene {
     /// Whether each triangle is in the lists below every plane below which the box around it reaches,
     /// and above every plane above which it reaches, and on one side at least of a plane that it lies
     /// in. Then all of a triangle is in the closed cells of the leaves that list it.
-    fn check_lists(&self) -> Result<(), String> {
+    fn check_lists(&self) -> Result<(), Error> {
         let lists = self.lists();
         let root = 0;
         for (triangle, corners) in (0..).zip(&self.corners) {
@@ -207,7 +209,8 @@ impl Scene {
                 let addr = self.addresses[triangle as usize];
                 return Err(format!(
                     "the triangle at {addr:x} is not in the list of every cell that its box meets"
-                ));
+                )
+                .into());
             }
         }
         Ok(())

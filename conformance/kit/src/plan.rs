@@ -1,0 +1,141 @@
+//! Which sessions are run: suites, recorded frames, and random sessions.
+
+use crate::error::Error;
+use crate::kind::Kind;
+use crate::kinds::{KINDS, kind_of_hello};
+use crate::level::Level;
+use crate::session::Session;
+
+/// Requests of all random sessions together (Assumed), where nothing is said.
+pub const RANDOM_REQUESTS: usize = 2_000_000;
+/// Sessions that fail before a run is stopped (Assumed), where nothing is said.
+pub const ERRORS: usize = 20;
+/// Least random sessions: one of each configuration.
+const RANDOM_SESSIONS: usize = 24;
+/// Most requests of a random session: enough to amortise its start and to overflow counters of 16 bits, and
+/// few enough that many sessions fit into memory.
+const SESSION_REQUESTS: usize = 100_000;
+/// What is run, and how far it is judged.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The highest level that is judged, and that has to be passed; none: all that is observed.
+    pub level: Option<Level>,
+    /// Sessions that fail before the run is stopped.
+    pub errors: usize,
+    /// First seed of the random sessions.
+    pub seed: u64,
+    /// Requests of all random sessions together.
+    pub requests: usize,
+    /// By how many thousandths a timing may be off.
+    pub tolerance: u32,
+}
+
+impl Options {
+    /// The highest level that is judged.
+    pub(crate) fn highest(&self) -> Level {
+        self.level.unwrap_or(Level::HIGHEST)
+    }
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { level: None, errors: ERRORS, seed: 0, requests: RANDOM_REQUESTS, tolerance: 0 }
+    }
+}
+
+/// A session to be run.
+#[derive(Clone, Debug)]
+pub enum PlannedSession {
+    /// This one.
+    Directed(Box<Session>),
+    /// The random one of a seed.
+    Random {
+        /// The seed.
+        seed: u64,
+        /// Its requests.
+        requests: usize,
+    },
+}
+
+/// A recorded frame has at most this part of the requests of the random sessions: it takes no more of the time
+/// than a few of them.
+const FRAME_PART: usize = 20;
+
+/// The default plan of a kind: the directed sessions, recorded frames, and random sessions.
+///
+/// # Errors
+/// Where a suite of the kit is no session: a fault of the kit.
+pub fn default_suite(kind: &dyn Kind, options: &Options) -> Result<Vec<PlannedSession>, Error> {
+    let mut planned = Vec::new();
+    for (name, text) in kind.suites() {
+        let sessions = Session::parse(name, text).map_err(|wrong| wrong.within(format!("suite {name}")))?;
+        planned.extend(sessions.into_iter().map(|session| PlannedSession::Directed(Box::new(session))));
+    }
+    let recorded = kind.recorded(options.requests.div_ceil(FRAME_PART));
+    planned.extend(recorded.into_iter().map(|session| PlannedSession::Directed(Box::new(session))));
+    planned.extend(random_sessions(options.seed, options.requests));
+    Ok(planned)
+}
+
+/// Random sessions from a seed on, of so many requests together.
+pub fn random_sessions(seed: u64, requests: usize) -> impl Iterator<Item = PlannedSession> {
+    let sessions = if requests == 0 { 0 } else { requests.div_ceil(SESSION_REQUESTS).max(RANDOM_SESSIONS) };
+    (0..sessions as u64).map(move |number| PlannedSession::Random {
+        seed: seed.wrapping_add(number),
+        requests: requests.div_ceil(sessions),
+    })
+}
+
+/// Sessions that a name stands for: a suite of the kit or one of its sessions, a random session
+/// (`vm/random/17`), or the path of a suite file.
+///
+/// # Errors
+/// Where there is no such suite or file, or it is no session.
+pub fn sessions_named(name: &str, requests: usize) -> Result<(&'static dyn Kind, Vec<Session>), Error> {
+    for kind in KINDS {
+        if let Some(rest) = name.strip_prefix(&format!("{}/", kind.prefix())) {
+            if let Some(seed) = rest.strip_prefix("random/").and_then(|seed| seed.parse().ok()) {
+                return Ok((*kind, vec![kind.random(seed, requests)]));
+            }
+            for (suite, text) in kind.suites() {
+                let sessions =
+                    Session::parse(suite, text).map_err(|wrong| wrong.within(format!("suite {suite}")))?;
+                if *suite == name {
+                    return Ok((*kind, sessions));
+                }
+                if let Some(session) = sessions.into_iter().find(|session| session.name == name) {
+                    return Ok((*kind, vec![session]));
+                }
+            }
+            if let Some(session) = kind.recorded(usize::MAX).into_iter().find(|session| session.name == name)
+            {
+                return Ok((*kind, vec![session]));
+            }
+        }
+    }
+    let text = std::fs::read(name).map_err(Error::system(format!(
+        "{name}: neither a suite ('saarcor conform list' shows all) nor a file that can be read"
+    )))?;
+    let text = String::from_utf8(text).map_err(|_| Error::from("no text").within(name))?;
+    let sessions = Session::parse(name, &text).map_err(|wrong| wrong.within(name))?;
+    let hello = sessions.first().map_or("", Session::hello);
+    let kind = kind_of_hello(hello.as_bytes()).ok_or_else(|| {
+        let known: Vec<_> = KINDS.iter().map(|kind| kind.hello()).collect();
+        Error::from(format!("the hello '{hello}' is none of {}", known.join(", "))).within(name)
+    })?;
+    for session in &sessions {
+        kind.check(session).map_err(|wrong| wrong.within(name))?;
+    }
+    Ok((kind, sessions))
+}
+
+impl PlannedSession {
+    /// The session, which is made where it is random.
+    pub(crate) fn session(&self, kind: &dyn Kind, options: &Options) -> Session {
+        let session = match self {
+            Self::Directed(session) => (**session).clone(),
+            Self::Random { seed, requests } => kind.random(*seed, *requests),
+        };
+        if options.tolerance == 0 { session } else { kind.with_tolerance(session, options.tolerance) }
+    }
+}
