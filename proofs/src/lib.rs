@@ -44,6 +44,8 @@ pub fn theorems() -> impl Iterator<Item = &'static theorem::Theorem> {
         vm::entry::THEOREMS,
         vm::hash::THEOREMS,
         vm::set::THEOREMS,
+        vm::set::plru::THEOREMS,
+        vm::memory::THEOREMS,
         vm::directory::THEOREMS,
         vm::virtual_memory::THEOREMS,
         vm::data_set::THEOREMS,
@@ -52,7 +54,13 @@ pub fn theorems() -> impl Iterator<Item = &'static theorem::Theorem> {
         host::node::THEOREMS,
         host::list::THEOREMS,
         host::tree::THEOREMS,
+        host::texture::THEOREMS,
         rays::traversal::THEOREMS,
+        time::operation::THEOREMS,
+        time::config::THEOREMS,
+        time::sdram::THEOREMS,
+        time::pci::THEOREMS,
+        time::report::THEOREMS,
     ]
     .into_iter()
     .flatten()

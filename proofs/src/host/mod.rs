@@ -2,6 +2,7 @@
 
 pub mod list;
 pub mod node;
+pub mod texture;
 pub mod tree;
 
 /// Bits of split planes: finite ones of all magnitudes, infinities and NaN.

@@ -1,1 +1,7 @@
-//! Theorems of the chip in time.
+//! Theorems of the chip in time: its programs, its numbers, its memory chips and its bus.
+
+pub mod config;
+pub mod operation;
+pub mod pci;
+pub mod report;
+pub mod sdram;

@@ -8,17 +8,21 @@
 //! enough.
 
 use super::data_set::data_set;
+use super::memory::unit;
 use super::virtual_memory::{self, Watched};
 use crate::draw::{self, BYTES, ENDS, WORDS};
 use crate::source::{Source, Stop};
 use crate::{assume, check, check_eq, cover, shown, theorems};
-use saarcor_model::vm::{DataSet, FirstLevel, HostAddr, HostMemory, LineAddr, Memory, Outcome, Policy, Unit};
+use saarcor_model::vm::{
+    DataSet, FirstLevel, FirstLevelCaches, HostAddr, HostMemory, LineAddr, Memory, Outcome, Policy, Unit,
+};
 
 const SETS: usize = if cfg!(kani) { 1 } else { 2 };
 /// Bytes a line.
 const LINE: usize = 3;
 
 /// The host's memory without a cache.
+#[derive(Clone, Debug)]
 struct Below(Watched);
 
 impl Memory for Below {
@@ -284,4 +288,56 @@ theorems! {
         let bytes = l1.line(&mut memory, Unit::Shading, place.0);
         check_eq!(bytes[place.1], memory.host.byte, "{addr:?} written, through {state:?}");
     }
+
+    /// Each type of unit reads through a first-level cache of its own, and gets the byte that lies
+    /// behind it: a read leaves the caches of the other types as they are.
+    #["L1-1", unwind 9, covers ["shading", "traversal", "list", "intersection"]]
+    fn units_read_through_caches_of_their_own(s) {
+        let (mut caches, watched, unit) = caches_of_a_chip(s);
+        let before = caches.clone();
+        let bytes = caches.fetch::<1>(unit, HostAddr(watched.addr));
+        check_eq!(bytes[0], watched.byte, "byte {} read by {unit:?}", watched.addr);
+        cover!(s, "shading", unit == Unit::Shading);
+        cover!(s, "traversal", unit == Unit::Traversal);
+        cover!(s, "list", unit == Unit::List);
+        cover!(s, "intersection", unit == Unit::Intersection);
+        let accesses = [
+            caches.shading.counters.accesses,
+            caches.nodes.counters.accesses,
+            caches.lists.counters.accesses,
+            caches.triangles.counters.accesses,
+        ];
+        for other in 0..4 {
+            check_eq!(accesses[other], u64::from(other == unit as usize), "accesses of cache {other}, {unit:?} read {}", watched.addr);
+        }
+        check!(unit == Unit::Shading || caches.shading == before.shading, "the shading cache, {unit:?} read {}", watched.addr);
+        check!(unit == Unit::Traversal || caches.nodes == before.nodes, "the cache of kd-nodes, {unit:?} read {}", watched.addr);
+        check!(unit == Unit::List || caches.lists == before.lists, "the cache of lists, {unit:?} read {}", watched.addr);
+        check!(unit == Unit::Intersection || caches.triangles == before.triangles, "the cache of triangles, {unit:?} read {}", watched.addr);
+    }
+
+    /// After an invalidation none of the four first-level caches holds the old byte: every type of
+    /// unit reads what the host has written.
+    #["L1-2", unwind 9, covers ["shading", "traversal", "list", "intersection"]]
+    fn all_first_level_caches_forget(s) {
+        let (mut caches, watched, unit) = caches_of_a_chip(s);
+        let before = caches.fetch::<1>(unit, HostAddr(watched.addr));
+        cover!(s, "shading", unit == Unit::Shading);
+        cover!(s, "traversal", unit == Unit::Traversal);
+        cover!(s, "list", unit == Unit::List);
+        cover!(s, "intersection", unit == Unit::Intersection);
+        caches.below.0.byte = s.value("byte written", 0..=u8::MAX, &BYTES[2..3]);
+        caches.invalidate(HostAddr(watched.addr), 1);
+        let after = caches.fetch::<1>(unit, HostAddr(watched.addr));
+        check_eq!(after[0], caches.below.0.byte, "byte {} read by {unit:?}, before the write {}", watched.addr, before[0]);
+    }
+}
+
+/// The four first-level caches of a chip, empty, in front of a host of which one byte is watched; and
+/// any unit. Triangles begin at address 36.
+fn caches_of_a_chip(s: &mut impl Source) -> (FirstLevelCaches<Below>, Watched, Unit) {
+    let mut watched = virtual_memory::watched(s);
+    watched.addr = s.value("watched address", 36..=u32::MAX, &[36, 40, 63, 64, 71, 72, 100, u32::MAX]);
+    let caches = FirstLevelCaches::new([1, 2, 1, 2], Policy::Lru, HostAddr(36), Below(watched.clone()));
+    (caches, watched, unit(s))
 }

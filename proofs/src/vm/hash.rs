@@ -44,6 +44,27 @@ theorems! {
         check_eq!(Hash::AddUpper.set_of(line, set_bits).0, low.wrapping_add(up) & mask, "{line:?} among 2^{set_bits} sets");
     }
 
+    /// The set of a line by `add-upper-all` is the sum of all its groups of log2(sets) bits, modulo the
+    /// number of sets.
+    #["VM-3", unwind 34, covers ["two groups", "five groups or more", "a carry dropped"]]
+    fn add_upper_all_adds_every_group(s) {
+        let set_bits = s.value("log2 sets", 1..=31, &WORDS[1..32]);
+        let line = draw::line(s, &EDGES);
+        let mask = (1_u32 << set_bits) - 1;
+        // There are 32 groups at most: of one bit each.
+        let (mut rest, mut sum) = (line.0, 0_u32);
+        let mut groups = 0;
+        for _ in 0..32 {
+            groups += u32::from(rest != 0);
+            sum = sum.wrapping_add(rest & mask) & mask;
+            rest >>= set_bits;
+        }
+        cover!(s, "two groups", groups == 2);
+        cover!(s, "five groups or more", groups >= 5);
+        cover!(s, "a carry dropped", (line.0 & mask) > sum);
+        check_eq!(Hash::AddUpperAll.set_of(line, set_bits).0, sum, "{line:?} among 2^{set_bits} sets");
+    }
+
     /// Any aligned block of as many lines as there are sets fills every set once: two lines of one
     /// block never share a set.
     // In a finite set no two alike is a bijection.

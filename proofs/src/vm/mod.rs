@@ -6,6 +6,7 @@ pub mod entry;
 pub mod first_level;
 pub mod geometry;
 pub mod hash;
+pub mod memory;
 pub mod set;
 pub mod version_b;
 pub mod virtual_memory;

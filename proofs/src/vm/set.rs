@@ -11,6 +11,8 @@
 //!
 //! No loop of a step has more turns than there are ways, and the bodies draw at most 4 lines.
 
+pub mod plru;
+
 use crate::draw::{self, BYTES, EDGES, WORDS, any_ways};
 #[cfg(not(kani))]
 use crate::engines::Random;
