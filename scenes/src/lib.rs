@@ -5,6 +5,15 @@
 //! * [`builtin`] makes scenes of the kinds that the paper's Table 1 names.
 //! * [`kdbuild`] builds the kd-tree that the chip traverses.
 //!
+//! ```
+//! use saarcor_scenes::kdbuild::{BuildOptions, build};
+//!
+//! let scene = saarcor_scenes::builtin::builtin("pquake3-nlnt").expect("a built-in scene");
+//! assert_eq!(scene.triangles.len(), 46_356);
+//! let tree = build(&scene.triangles, &BuildOptions::default(), &|_| ());
+//! assert!(tree.check(scene.triangles.len()).is_ok());
+//! ```
+//!
 //! Wrong input never panics: each error of a file is a [`SceneError`], one line that says what is
 //! wrong, where, and what would be right.
 

@@ -3,6 +3,17 @@
 //! Only this crate parses arguments, prints and draws. What it shows is computed by `saarcor-studies`,
 //! `saarcor-kit` and `saarcor-proofs`.
 //!
+//! ```
+//! use saarcor_cli::size::Size;
+//! use saarcor_model::vm::Bytes;
+//!
+//! let size: Size = "8MiB".parse()?;
+//! assert_eq!((size.0, size.to_string()), (Bytes(8 << 20), "8MiB".to_owned()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Read [`cli`] first, then a verb (`src/verbs`), then what the verb takes from the modules below.
+//!
 //! | module | subject |
 //! |---|---|
 //! | [`cli`] | the verbs, and how errors are shown |

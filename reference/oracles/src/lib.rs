@@ -4,6 +4,19 @@
 //! it at a glance. Oracles use the model's types (addresses, triangles, configurations) and none
 //! of its functions that decide something: a fault of the model cannot hide in its judge.
 //!
+//! ```
+//! use saarcor_model::vm::{Bytes, CacheConfig, Directory, Geometry, Hash, LineAddr, Policy};
+//! use saarcor_oracles::cache::NaiveCache;
+//!
+//! let geometry = Geometry::new(Bytes(1024), Bytes(64), 4)?;
+//! let config = CacheConfig { geometry, hash: Hash::AddUpper, policy: Policy::Lru };
+//! let (mut model, mut naive) = (Directory::<4>::new(config), NaiveCache::new(config));
+//! for line in [3, 7, 3, 11, 15, 19, 7] {
+//!     assert_eq!(model.access(LineAddr(line)), naive.access(LineAddr(line)));
+//! }
+//! # Ok::<(), saarcor_model::vm::GeometryError>(())
+//! ```
+//!
 //! | oracle | judges |
 //! |---|---|
 //! | [`flat::FlatMemory`] | that the virtual memory is transparent |

@@ -3,6 +3,27 @@
 //! Nothing here prints, parses a command line or draws. A study that takes long reports its stages to a
 //! [`Monitor`](monitor::Monitor).
 //!
+//! A picture through a virtual memory of 4 KiB is the picture without one:
+//!
+//! ```
+//! use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy};
+//! use saarcor_studies::monitor::Silent;
+//! use saarcor_studies::picture::{through_virtual_memory, through_whole_scene};
+//! use saarcor_studies::trace::{PacketSize, TraceOptions};
+//! use saarcor_studies::world::{World, WorldOptions};
+//!
+//! let world = World::open(&WorldOptions::new("pquake3-nlnt"), &Silent)?;
+//! let options = TraceOptions { resolution: (64, 48), packet: PacketSize::Rays64, max_bounces: 5 };
+//! let geometry = Geometry::new(Bytes(4096), Bytes(128), 4)?;
+//! let cache = CacheConfig { geometry, hash: Hash::AddUpper, policy: Policy::Lru };
+//! let (picture, counters) = through_virtual_memory(&world, 150, &options, cache);
+//! assert!(counters.evictions > 0);
+//! assert_eq!(picture, through_whole_scene(&world, 150, &options));
+//! # Ok::<(), saarcor_studies::StudyError>(())
+//! ```
+//!
+//! Read [`world`] first, then the studies in the order of this table.
+//!
 //! | module | subject |
 //! |---|---|
 //! | [`world`] | a scene made ready for the chip |
