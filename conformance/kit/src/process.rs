@@ -29,9 +29,9 @@ const MAX_ANSWER: usize = 4 * MAX_LINE_BYTES;
 const STDERR_KEPT: usize = 4096;
 /// Time to exit for a process that has closed its output too early: to learn its status.
 const EXIT_GRACE: Duration = Duration::from_millis(100);
-/// Time between two looks at whether a conversation is given up.
+/// Time between two checks whether a conversation is stopped.
 const STOP_POLL: Duration = Duration::from_millis(50);
-/// Time between two looks at a process that is about to exit.
+/// Time between two checks of a process that is about to exit.
 const EXIT_POLL: Duration = Duration::from_millis(1);
 
 /// A command line that is started once for each session.
@@ -88,7 +88,7 @@ pub fn adopt_strays() {
     let _ = rustix::process::set_child_subreaper(Some(rustix::process::getpid()));
 }
 
-/// Held for reading while a process is started, and for writing once none may be any more.
+/// Held for reading while a process is started, and for writing once no process may start any more.
 static STARTING: RwLock<()> = RwLock::new(());
 
 /// Has all children killed before this process ends by a signal: they are in groups of their own, and

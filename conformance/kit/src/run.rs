@@ -111,7 +111,7 @@ fn failure(
     };
     let ShrinkResult { session: minimal, finding, cut_short } =
         if result.timeout.is_some() || deadline.has_come() {
-            // Each try would take the time limit again: only what was not asked for yet is left out.
+            // Each try would take the time limit again: only the requests behind the failing one are left out.
             let session = session.with_requests(session.requests().take(finding.asked_by_then()));
             ShrinkResult { session, finding: finding.clone(), cut_short: true }
         } else {
@@ -142,9 +142,9 @@ fn failure(
     })
 }
 
-/// The requirement that a session fails for. A directed one is about its own, whatever differs; but for
-/// bytes, unless it is about bytes, and a conversation that breaks off, unless it is about answers and
-/// their form.
+/// The requirement that a session fails for. A directed session fails for its own, whatever differs, with these
+/// exceptions: wrong bytes, unless it is about bytes; a conversation that breaks off, unless it is about answers
+/// and their form; and the bytes of an entry of metadata.
 fn requirement(session: &Session, finding: &Finding) -> String {
     let own = finding.requirement.to_owned();
     let Some(about) = session.requirement.clone() else { return own };

@@ -210,7 +210,7 @@ impl Session {
     }
 }
 
-/// Whether a line wants an answer.
+/// Whether a line has an answer: comments and empty lines have none.
 fn is_asked(line: &[u8]) -> bool {
     !line.is_empty() && line[0] != b'#'
 }

@@ -36,7 +36,7 @@ pub fn shrink(
     let mut shrinking =
         Shrinker { kind, session, requests, finding, deadline, fails, tries: 0, cut_short: false };
     shrinking.cut();
-    // What is left out of a scene can make another one, which is harder to simplify than the whole.
+    // Leaving out parts of a scene gives another scene, which is harder to simplify than the whole.
     shrinking.simplify_session();
     shrinking.simplify_session();
     shrinking.simplify_config();
@@ -97,7 +97,7 @@ impl Shrinker<'_, '_> {
             // From the end on: what fails stands there, and what it needs often shortly before.
             let mut end = self.requests.len();
             while end > 0 {
-                // To go through the parts of a long session takes time, even if none is tried.
+                // Going through the parts of a long session takes time, even where none is tried.
                 if self.is_over() {
                     return;
                 }

@@ -1,5 +1,5 @@
-//! What a person names as the implementation under test: a folder with `dut.toml`, a command line, or
-//! one of the oracles.
+//! The implementation under test as a person names it: a folder with `dut.toml`, a command line, or one of the
+//! oracles.
 
 use crate::chip::Chip;
 use crate::chip::config::MAX_TOLERANCE;
@@ -136,7 +136,7 @@ pub struct Target {
     pub tolerance: u32,
     /// The implementation.
     pub dut: Box<dyn Dut>,
-    /// The same, with little time: to be asked for its kind.
+    /// The same with a short time limit, to ask for its kind.
     pub probe: Box<dyn Dut>,
     build: Option<(String, PathBuf)>,
 }
@@ -206,10 +206,10 @@ impl Target {
         })
     }
 
-    /// Builds the implementation, if it is to be.
+    /// Builds the implementation, where `dut.toml` says how.
     ///
     /// # Errors
-    /// Where the build fails, with the end of what it said.
+    /// Where the build fails, with the end of its output.
     #[cfg(unix)]
     pub fn build(&self) -> Result<(), Error> {
         let Some((command, folder)) = &self.build else { return Ok(()) };
@@ -250,7 +250,7 @@ impl Target {
         Ok(())
     }
 
-    /// Builds the implementation, if it is to be.
+    /// Builds the implementation, where `dut.toml` says how.
     ///
     /// # Errors
     /// Always, where something is to be built: only Unix is supported.

@@ -6,11 +6,11 @@ use saarcor_model::time::{Operation, Version};
 use saarcor_model::vm::{HostAddr, Unit};
 use saarcor_random::Random;
 
-/// Of so many seeds one has the standard chip.
+/// One of so many seeds has the standard chip.
 const STANDARD_EVERY: u64 = 12;
 
-/// The configuration of a seed. All is small: caches of a few lines, and times that differ from one
-/// another, so that nothing happens at the same time by rule.
+/// The configuration of a seed. All is small: caches of a few lines. Times differ, so that events coincide only by
+/// chance.
 #[must_use]
 pub fn config_of(seed: u64) -> String {
     let mut random = Random::new(!seed);
@@ -108,12 +108,12 @@ fn operations(random: &mut Random, line: u32, triangles: HostAddr) -> Vec<Operat
         let unit = random.pick(&Unit::ALL);
         let near = line * random.below(6) as u32;
         let place = match random.below(20) {
-            // Of the same row and set, and all over the place.
+            // In the same row and set, or anywhere.
             0..2 => near * 64,
             2 => random.bits() as u32 >> 2,
             _ => near,
         };
-        // Around the borders of lines.
+        // Around the boundaries of lines.
         let addr = place + random.pick(&[0, 0, 4, 8, line - 4, line - 1, line / 2]);
         let addr = if unit == Unit::Intersection { addr + triangles.0 } else { addr };
         let bytes = random.pick(&[0, 1, 4, 4, 8, 8, 20, 36]);

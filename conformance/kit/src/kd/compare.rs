@@ -2,7 +2,7 @@
 
 use super::oracle::KdOracle;
 use super::request::{Answer, Observes, Request};
-use super::truth::Truth;
+use super::truth::{Truth, Violation};
 use crate::comparison::{Comparison, Difference, Expected};
 use crate::error::Error;
 use crate::kind::Oracle;
@@ -41,7 +41,7 @@ impl KdComparison {
             Query::Closest => truth.check_closest(got.hit.as_ref()),
             Query::Any => truth.check_any(got.hit.is_some()),
         };
-        if let Err((requirement, says)) = checked {
+        if let Err(Violation { requirement, says }) = checked {
             found(Difference { level: Level::Rays, says, requirement });
         }
         if got.touched != right.touched {

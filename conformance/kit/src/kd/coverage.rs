@@ -15,11 +15,29 @@ use std::collections::BTreeSet;
 const COURSES: [&str; 5] = ["upwards", "downwards", "parallel", "parallel as -0", "without a bound"];
 /// The children that a ray may go to. One that goes down goes above first, one without a bound below.
 const VISITED: [Children; 4] = [Children::Below, Children::Above, Children::BelowFirst, Children::AboveFirst];
-/// What may become of leaves and triangles: a leaf without triangles, with one, with several; a cell put off
-/// that is visited after a hit; one that is culled by it; a triangle that is hit, that is nearer than what
-/// was hit before, and that is not.
-const IN_LEAVES: usize = 8;
-/// Children that were put off at once, from one number to below the next: up to the room that there is.
+/// What can happen in leaves and with triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum LeafCase {
+    /// A leaf without triangles.
+    Empty,
+    /// A leaf with one.
+    OneTriangle,
+    /// A leaf with several.
+    SeveralTriangles,
+    /// A cell from the stack that is visited after a hit.
+    VisitedAfterHit,
+    /// A cell from the stack that lies behind the hit.
+    Culled,
+    /// A triangle that is hit first.
+    FirstHit,
+    /// A triangle that is nearer than the hit so far.
+    NearerHit,
+    /// A triangle that is no nearer than the hit so far, or missed after a hit.
+    NotNearer,
+}
+/// Cases of [`LeafCase`].
+const LEAF_CASES: usize = LeafCase::NotNearer as usize + 1;
+/// Children on the stack at once, from one number to below the next: up to its room.
 const PUT_OFF: [usize; 5] = [1, 2, 8, MAX_DEPTH, MAX_DEPTH + 1];
 
 /// A case: axis, course and children.
@@ -29,7 +47,7 @@ type PlaneCase = (usize, usize, usize);
 #[derive(Clone, Debug, Default)]
 pub struct KdCoverage {
     planes: BTreeSet<PlaneCase>,
-    leaves: BTreeSet<usize>,
+    leaves: BTreeSet<LeafCase>,
     put_off: BTreeSet<usize>,
 }
 
@@ -68,17 +86,21 @@ impl KdCoverage {
                     }
                 }
                 Step::Leaf { count, after_hit, .. } => {
-                    self.leaves.insert(count.min(2) as usize);
-                    self.leaves.extend(after_hit.then_some(3));
+                    self.leaves.insert(match count {
+                        0 => LeafCase::Empty,
+                        1 => LeafCase::OneTriangle,
+                        _ => LeafCase::SeveralTriangles,
+                    });
+                    self.leaves.extend(after_hit.then_some(LeafCase::VisitedAfterHit));
                 }
                 Step::Culled => {
-                    self.leaves.insert(4);
+                    self.leaves.insert(LeafCase::Culled);
                 }
                 Step::Test { taken, replaces, .. } => {
                     self.leaves.extend(match (taken, replaces) {
-                        (true, false) => Some(5),
-                        (true, true) => Some(6),
-                        (false, true) => Some(7),
+                        (true, false) => Some(LeafCase::FirstHit),
+                        (true, true) => Some(LeafCase::NearerHit),
+                        (false, true) => Some(LeafCase::NotNearer),
                         (false, false) => None,
                     });
                 }
@@ -114,7 +136,7 @@ impl Coverage for KdCoverage {
         rows.push(CoverageCount {
             what: "what becomes of leaves and triangles".to_owned(),
             reached: self.leaves.len(),
-            all: IN_LEAVES,
+            all: LEAF_CASES,
         });
         rows.push(CoverageCount {
             what: format!("children put off at once: 1, up to 7, up to {}, {MAX_DEPTH}", MAX_DEPTH - 1),

@@ -15,8 +15,19 @@ use saarcor_model::rays::{
 use saarcor_oracles::exact::rational::nearest_f64;
 use saarcor_oracles::exact::{closest, solve};
 
-/// Why an answer is wrong: the requirement, and a sentence.
-pub type Wrong = (&'static str, String);
+/// Why an answer is wrong.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Violation {
+    /// The requirement that it breaks.
+    pub requirement: &'static str,
+    /// What is wrong, in a sentence.
+    pub says: String,
+}
+
+/// The answer breaks a requirement.
+fn violates(requirement: &'static str, says: String) -> Result<(), Violation> {
+    Err(Violation { requirement, says })
+}
 
 /// What is true of a ray.
 #[derive(Clone, Debug)]
@@ -75,28 +86,25 @@ impl Truth {
     ///
     /// # Errors
     /// The requirement that it breaks, and a sentence.
-    pub fn check_closest(&self, answer: Option<&Hit>) -> Result<(), Wrong> {
+    pub fn check_closest(&self, answer: Option<&Hit>) -> Result<(), Violation> {
         let certain = || self.candidates.iter().filter(|known| known.hit);
         let Some(Hit { triangle: Some(addr), t, uv }) = answer.copied() else {
             return self.check_any(answer.is_some());
         };
         let Some(known) = self.candidates.iter().find(|known| known.addr == addr) else {
-            return Err((
-                "KD-4",
-                match certain().next() {
-                    Some(other) => {
-                        format!("the triangle at {addr:x} is not hit first; the one at {:x} is", other.addr)
-                    }
-                    None => format!("the triangle at {addr:x} is not hit"),
-                },
-            ));
+            let says = match certain().next() {
+                Some(other) => {
+                    format!("the triangle at {addr:x} is not hit first; the one at {:x} is", other.addr)
+                }
+                None => format!("the triangle at {addr:x} is not hit"),
+            };
+            return violates("KD-4", says);
         };
         let PossibleHit { t: distance, u, v, corners, .. } = known;
         if let Some(nearer) = certain().find(|other| other.t.is_below(distance.value - distance.error)) {
-            return Err((
-                "KD-4",
-                format!("the triangle at {addr:x} is not hit first; the one at {:x} is nearer", nearer.addr),
-            ));
+            let nearer = nearer.addr;
+            let says = format!("the triangle at {addr:x} is not hit first; the one at {nearer:x} is nearer");
+            return violates("KD-4", says);
         }
         // The same corners, or numbers that are not rounded, give the same distance in any implementation.
         let ties = |other: &&PossibleHit| {
@@ -104,18 +112,13 @@ impl Truth {
             other.addr < addr && other.hit && (exact || other.corners == *corners)
         };
         if let Some(lower) = certain().find(ties) {
-            return Err(("IS-2", format!("the triangle at {:x} is hit at the same distance", lower.addr)));
+            return violates("IS-2", format!("the triangle at {:x} is hit at the same distance", lower.addr));
         }
-        if let Some(t) = t.filter(|&t| !distance.allows(t)) {
-            return Err((
-                "IS-3",
-                format!("t is {t:e}; {:e} ± {:.1e} is right", distance.value, distance.error),
-            ));
-        }
-        for (name, right, got) in [("u", u, uv.map(|uv| uv[0])), ("v", v, uv.map(|uv| uv[1]))] {
+        let [got_u, got_v] = [0, 1].map(|place| uv.map(|uv| uv[place]));
+        for (name, right, got) in [("t", distance, t), ("u", u, got_u), ("v", v, got_v)] {
             if let Some(got) = got.filter(|&got| !right.allows(got)) {
                 let says = format!("{name} is {got:e}; {:e} ± {:.1e} is right", right.value, right.error);
-                return Err(("IS-3", says));
+                return violates("IS-3", says);
             }
         }
         Ok(())
@@ -125,10 +128,10 @@ impl Truth {
     ///
     /// # Errors
     /// The requirement that it breaks, and a sentence.
-    pub fn check_any(&self, is_hit: bool) -> Result<(), Wrong> {
+    pub fn check_any(&self, is_hit: bool) -> Result<(), Violation> {
         match self.candidates.iter().find(|known| known.hit) {
-            Some(known) if !is_hit => Err(("KD-4", format!("the triangle at {:x} is hit", known.addr))),
-            None if is_hit && self.candidates.is_empty() => Err(("KD-4", "nothing is hit".to_owned())),
+            Some(known) if !is_hit => violates("KD-4", format!("the triangle at {:x} is hit", known.addr)),
+            None if is_hit && self.candidates.is_empty() => violates("KD-4", "nothing is hit".to_owned()),
             _ => Ok(()),
         }
     }

@@ -13,7 +13,7 @@ use saarcor_oracles::metadata::GranuleEvent;
 pub struct MetaComparison {
     config: MetaConfig,
     expected: Expected<TagsAdapter>,
-    /// Metadata has been made corrupt: from then on a difference is that nobody noticed.
+    /// Metadata is corrupt: from then on a difference is an error that was not detected.
     corrupted: bool,
     /// Whether hits have differed: from then on all else has to differ.
     traffic_differs: bool,

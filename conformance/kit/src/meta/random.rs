@@ -29,7 +29,7 @@ pub fn config_of(seed: u64) -> &'static str {
     CONFIGS[(seed % CONFIGS.len() as u64) as usize]
 }
 
-/// Sets whose lines are used: twice as many as the metadata cache has ways, and some.
+/// Sets whose lines are used: over twice as many as the metadata cache has ways.
 const TARGET_SETS: u64 = 10;
 
 /// The requests of a seed, each with its newline.
@@ -82,8 +82,8 @@ fn push(text: &mut Vec<u8>, name: u8, numbers: &[u64]) {
     text.push(b'\n');
 }
 
-/// Lines that collide: of sets side by side, which share granules, and of sets whose granules fall
-/// into the same set of the metadata cache; more of each than it has ways.
+/// Lines that collide: in neighbouring sets, which share granules, and in sets whose granules share a set of the
+/// metadata cache; more in each set than it has ways.
 fn pool(config: &MetaConfig, random: &mut Random) -> Vec<u64> {
     let geometry = config.cache.geometry;
     let (sets, ways) = (geometry.sets(), u64::from(geometry.ways()));

@@ -13,13 +13,13 @@ use saarcor_oracles::metadata::{GranuleEvent, NaiveTags};
 
 /// An implementation of version B's tags, empty at first.
 pub trait Tags: Send {
-    /// The chip uses a line; says what it did and, in `moved`, which granules moved for it.
+    /// The chip uses a line. Returns the outcome, and appends to `moved` what the metadata cache did.
     fn access(&mut self, line: LineAddr, moved: &mut Vec<GranuleEvent>) -> Outcome;
 
-    /// Forgets every line that the range meets, one after the other.
+    /// Invalidates every line that the range meets, one after the other.
     fn invalidate(&mut self, host: HostAddr, len: u64, moved: &mut Vec<GranuleEvent>);
 
-    /// Forgets all lines.
+    /// Invalidates all lines.
     fn flush(&mut self);
 
     /// Flips bits of a byte of the metadata on the card.
@@ -103,7 +103,7 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize> Tags
         let set = self.directory.config.set_of(line).0;
         let mut rows = vec![format!("line {:x} belongs to set {set:x}", line.0)];
         match self.set_of(line) {
-            None => rows.push("its metadata is corrupt: it is taken for empty".to_owned()),
+            None => rows.push("its metadata is corrupt: the set counts as empty".to_owned()),
             Some(set) => {
                 for way in 0..WAYS {
                     let free = if set.resident[way] { "" } else { ", free" };

@@ -33,10 +33,10 @@ pub trait Cache: Send {
     /// The chip reads bytes that lie within one line.
     fn read(&mut self, host: HostAddr, bytes: &mut [u8]) -> Access;
 
-    /// Forgets every line that the range meets.
+    /// Invalidates every line that the range meets.
     fn invalidate(&mut self, host: HostAddr, len: u64);
 
-    /// Forgets all lines.
+    /// Invalidates all lines.
     fn flush(&mut self);
 }
 

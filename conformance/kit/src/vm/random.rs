@@ -5,7 +5,7 @@ use crate::hex;
 use saarcor_model::vm::CacheConfig;
 use saarcor_random::Random;
 
-/// Configurations that seeds go through: the small geometry with each hash and policy, then others.
+/// The configurations of the seeds, in turn: the small geometry with each hash and policy, then others.
 pub const CONFIGS: &[&str] = &[
     "line=16 lines=8 ways=4 hash=add-upper policy=lru",
     "line=16 lines=8 ways=4 hash=add-upper policy=fifo",
@@ -39,9 +39,9 @@ pub fn config_of(seed: u64) -> &'static str {
     CONFIGS[(seed % CONFIGS.len() as u64) as usize]
 }
 
-/// Sets that a session aims at: so few that lines collide, and yet not one alone.
+/// Sets that a session uses: few, so that lines collide, but more than one.
 const TARGET_SETS: u64 = 3;
-/// Most bytes from the begin of a line that are written and read most often.
+/// Most accesses stay within so many first bytes of a line.
 const WARM_BYTES: u64 = 16;
 
 /// The requests of a seed, each with its newline.
@@ -53,7 +53,7 @@ pub fn requests(config: &str, seed: u64, count: usize) -> Vec<u8> {
     let config = config::parse(config).expect("a configuration of the kit");
     let mut session = SessionWriter { random: Random::new(seed), config, pool: Vec::new(), text: Vec::new() };
     session.fill_pool();
-    // All that is read can be told apart: each line of the pool is written to first.
+    // Each line of the pool is written to first, so that no two lines have the same bytes.
     let writes = session.pool.len().min(count / 4);
     for place in 0..writes {
         session.write(session.pool[place], false);
@@ -163,7 +163,7 @@ impl SessionWriter {
         self.text.push(b'\n');
     }
 
-    /// Writes bytes of a line; a part of them, or all that are read most often.
+    /// Writes some of the first bytes of a line, or all of them.
     fn write(&mut self, line: u64, part: bool) {
         let size = self.config.geometry.line().0.min(WARM_BYTES);
         let offset = if part { self.random.below(size) } else { 0 };
@@ -176,7 +176,7 @@ impl SessionWriter {
         self.text.push(b'\n');
     }
 
-    /// Invalidates a range that meets so many lines, from some byte of the first to one of the last.
+    /// Invalidates a range over so many lines, from some byte of the first to some byte of the last.
     fn invalidate(&mut self, line: u64, lines: u64) {
         let size = self.config.geometry.line().0;
         let begin = line * size + self.random.below(size);
