@@ -8,9 +8,9 @@ module bench #(parameter LINE_BITS = 4, parameter SET_BITS = 1, parameter WAY_BI
 
     reg clock = 0, reset = 0, start = 0, forget = 0;
     reg [31:0] address = 0;
-    wire done, hit, load, pushes;
+    wire done, hit, load, evicts;
     wire [31:0] evicted, card;
-    cache #(LINE_BITS, SET_BITS, WAY_BITS, HASH) cache(clock, reset, start, forget, address, done, hit, load, pushes,
+    cache #(LINE_BITS, SET_BITS, WAY_BITS, HASH) cache(clock, reset, start, forget, address, done, hit, load, evicts,
         evicted, card);
 
     reg [7:0] memory [0:(LINE << SET_BITS << WAY_BITS)-1];  // on-board memory
@@ -73,7 +73,7 @@ module bench #(parameter LINE_BITS = 4, parameter SET_BITS = 1, parameter WAY_BI
                 ask(host, 0);
                 if (load) load_line;
                 if (hit) $write("h %0x ", card);
-                else if (pushes) $write("m %0x %0x ", card, evicted);
+                else if (evicts) $write("m %0x %0x ", card, evicted);
                 else $write("m %0x - ", card);
                 for (k = 0; k < count; k = k + 1) $write("%02x", memory[card + k]);
                 $write("\n");

@@ -9,14 +9,14 @@ module cache #(
     parameter HASH = 1        // 0: low, 1: add-upper, 2: add-upper-all
 ) (
     input clock,
-    input reset,              // also the flush: forgets all lines
+    input reset,              // also the flush: invalidates all lines
     input start,              // a request begins
     input forget,             // it invalidates the line, else it reads it
     input [31:0] address,     // host address
     output reg done,
     output reg hit,
     output reg load,          // the line is to be loaded
-    output reg pushes,        // a line is evicted
+    output reg evicts,        // a line is evicted
     output reg [31:0] evicted,// its first host address
     output reg [31:0] card    // where the byte of `address` lies
 );
@@ -50,7 +50,7 @@ module cache #(
     wire [WAYS-1:0] set_resident = resident[set];
     wire [WAYS*WAY_WIDTH-1:0] set_ages = ages[set];
 
-    // All ways are looked at at once: the one that holds the line, the lowest free one, the oldest.
+    // All ways are compared at once: the one that holds the line, the lowest free one, the oldest.
     reg found, free;
     reg [WAY_WIDTH-1:0] found_way, free_way, oldest;
     integer i;
@@ -64,7 +64,7 @@ module cache #(
     end
     wire [WAY_WIDTH-1:0] way = found ? found_way : free ? free_way : oldest;
 
-    // Who was younger than the way that is used grows older by one.
+    // Ways younger than the one that is used grow older by one.
     reg [WAYS*WAY_WIDTH-1:0] next_ages;
     integer j;
     always @* begin
@@ -89,7 +89,7 @@ module cache #(
         end else if (start) begin
             hit <= found;
             load <= !found;
-            pushes <= !found && !free;
+            evicts <= !found && !free;
             evicted <= set_tags[way*TAG_BITS +: TAG_BITS] << LINE_BITS;
             card <= (((set << WAY_BITS) | (WAY_BITS == 0 ? 0 : way)) << LINE_BITS) | (address & ((1 << LINE_BITS) - 1));
             ages[set] <= next_ages;
