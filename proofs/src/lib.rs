@@ -61,6 +61,9 @@ pub fn theorems() -> impl Iterator<Item = &'static theorem::Theorem> {
         time::sdram::THEOREMS,
         time::pci::THEOREMS,
         time::report::THEOREMS,
+        equal::directory::THEOREMS,
+        equal::version_b::THEOREMS,
+        equal::first_level::THEOREMS,
     ]
     .into_iter()
     .flatten()

@@ -7,3 +7,7 @@
 //! of the twin is a run of the specification. Where a step is not to be had alone (the chip between
 //! events), theorems compare whole runs, of all programs of a counted small scope and of programs at
 //! random; they say `not_for_kani` and why.
+
+pub mod directory;
+pub mod first_level;
+pub mod version_b;

@@ -1,0 +1,158 @@
+//! The directory's twin, and the set's: `saarcor_fast::directory`.
+//!
+//! The twin works on the specification's own state: states correspond if they are equal. What it does
+//! otherwise: the search for a line, and no step at all for the line that was used last. A directory
+//! meets its metadata only by loading and storing sets, so one theorem speaks of every version
+//! ([`fast_directory_meets_any_metadata_alike`]): the twin may leave out a store of what was loaded,
+//! which changes nothing ([`storing_what_was_loaded_changes_nothing`](super::version_b)).
+
+use crate::draw::{self, WORDS, any_ways};
+use crate::source::{Holds, Source};
+use crate::vm::directory::directory;
+use crate::{assume, check, check_eq, cover, shown, theorems};
+use saarcor_fast::directory as fast;
+use saarcor_model::vm::{Directory, Metadata, Outcome, Policy, Set, SetIndex};
+
+/// Metadata that loads what it was given, and keeps what was stored.
+#[derive(Clone, Debug)]
+struct Scripted<const WAYS: usize> {
+    load: Set<WAYS>,
+    loaded: Option<SetIndex>,
+    stored: Option<(SetIndex, Set<WAYS>)>,
+}
+
+impl<const WAYS: usize> Metadata<WAYS> for Scripted<WAYS> {
+    fn load(&mut self, index: SetIndex) -> Set<WAYS> {
+        self.loaded = Some(index);
+        self.load
+    }
+
+    fn store(&mut self, index: SetIndex, set: &Set<WAYS>) {
+        self.stored = Some((index, *set));
+    }
+
+    fn clear(&mut self) {}
+}
+
+/// Bodies for sets of any number of ways.
+mod bodies {
+    use super::*;
+
+    pub fn same_way<S: Source, const WAYS: usize>(s: &mut S) -> Holds {
+        let (_, set) = draw::set::<S, WAYS>(s)?;
+        let line = draw::line_of_set::<WAYS>(s);
+        let way = set.way_of(line);
+        cover!(s, "found", way.is_some());
+        cover!(s, "a free way still holds it", way.is_none() && set.lines.contains(&line));
+        check_eq!(fast::way_of(&set, line), way, "{line:?} in {set:?}");
+        Ok(())
+    }
+
+    pub fn youngest<S: Source, const WAYS: usize>(s: &mut S) -> Holds {
+        let (policy, before) = draw::set::<S, WAYS>(s)?;
+        let line = draw::line_of_set::<WAYS>(s);
+        let youngest = fast::way_if_youngest(&before, line, policy);
+        cover!(s, "youngest", youngest.is_some());
+        cover!(s, "not youngest", youngest.is_none() && before.way_of(line).is_some());
+        if let Some(way) = youngest {
+            check_eq!(
+                before.access(line, policy),
+                (before, Outcome::Hit { way }),
+                "{policy:?}: access {line:?}"
+            );
+        }
+        Ok(())
+    }
+
+    pub fn same_step<S: Source, const WAYS: usize>(s: &mut S) -> Holds {
+        let (policy, before) = draw::set::<S, WAYS>(s)?;
+        let line = draw::line_of_set::<WAYS>(s);
+        let (after, outcome) = before.access(line, policy);
+        cover!(s, "hit", matches!(outcome, Outcome::Hit { .. }));
+        cover!(s, "miss, way free", matches!(outcome, Outcome::Miss { evicted: None, .. }));
+        cover!(s, "miss, set full", matches!(outcome, Outcome::Miss { evicted: Some(_), .. }));
+        check_eq!(
+            fast::access_set(&before, line, policy),
+            (after, outcome),
+            "{policy:?}: {before:?}, access {line:?}"
+        );
+        Ok(())
+    }
+}
+
+theorems! {
+    /// The search without branches finds a line in the way in which the specification finds it.
+    #["VM-6", unwind 8, covers ["found", "a free way still holds it"]]
+    fn fast_set_finds_the_same_way(s) {
+        any_ways!(s, bodies::same_way);
+    }
+
+    /// An access to the line that was used last hits and changes nothing, so that it needs no step.
+    #["VM-6", unwind 8, covers ["youngest", "not youngest"]]
+    fn youngest_line_needs_no_step(s) {
+        any_ways!(s, bodies::youngest);
+    }
+
+    /// With LRU the line of the last access is recognised as the one used last: what repeats takes the
+    /// short way.
+    #["VM-6", unwind 8, covers ["hit", "miss"]]
+    fn repeated_line_is_the_youngest(s) {
+        let (policy, before) = draw::set::<S, 4>(s)?;
+        assume!(policy == Policy::Lru);
+        let line = draw::line_of_set::<4>(s);
+        let (after, outcome) = before.access(line, policy);
+        cover!(s, "hit", matches!(outcome, Outcome::Hit { .. }));
+        cover!(s, "miss", matches!(outcome, Outcome::Miss { .. }));
+        check_eq!(fast::way_if_youngest(&after, line, policy), Some(outcome.way()), "{before:?}, access {line:?}");
+    }
+
+    /// From any legal set the twin's step gives the specification's outcome and the specification's set.
+    #["VM-6", unwind 8, covers ["hit", "miss, way free", "miss, set full"]]
+    fn fast_set_step_is_the_sets(s) {
+        any_ways!(s, bodies::same_step);
+    }
+
+    /// From any legal directory of version A, with any hash and policy, the twin's access gives the
+    /// specification's outcome and leaves the specification's sets and counters.
+    #["VM-6", unwind 5, covers ["hit", "miss", "eviction"]]
+    fn fast_directory_step_is_the_directorys(s) {
+        let mut expected = directory::<S, 2, 2>(s, &WORDS[..6])?;
+        // Lines lie where another hash puts them, too: a step of a set does not ask.
+        expected.config.hash = draw::hash(s);
+        let mut got = expected.clone();
+        let before = shown!(expected.clone());
+        let line = draw::line(s, &WORDS[..7]);
+        let outcome = expected.access(line);
+        cover!(s, "hit", matches!(outcome, Outcome::Hit { .. }));
+        cover!(s, "miss", matches!(outcome, Outcome::Miss { evicted: None, .. }));
+        cover!(s, "eviction", matches!(outcome, Outcome::Miss { evicted: Some(_), .. }));
+        check_eq!(fast::access(&mut got, line), outcome, "access {line:?} to {before:?}");
+        check_eq!(got.counters, expected.counters, "access {line:?} to {before:?}");
+        for index in 0..2 {
+            check_eq!(got.sets()[index], expected.sets()[index], "access {line:?} to {before:?}: set {index}");
+        }
+    }
+
+    /// Whatever its metadata loads, in whatever version, the twin's access loads the set that the
+    /// specification loads, gives its outcome and counts, and stores its set; what it does not store
+    /// is what it loaded.
+    #["VM-13", unwind 5, covers ["hit", "miss", "nothing stored"]]
+    fn fast_directory_meets_any_metadata_alike(s) {
+        let mut config = crate::vm::directory::config::<S, 2, 2>(s)?;
+        config.hash = draw::hash(s);
+        let load = draw::set_of::<S, 2>(s, config.policy)?;
+        let mut expected = Directory::over(config, Scripted { load, loaded: None, stored: None });
+        let mut got = expected.clone();
+        let line = draw::line(s, &WORDS[..4]);
+        let outcome = expected.access(line);
+        cover!(s, "hit", matches!(outcome, Outcome::Hit { .. }));
+        cover!(s, "miss", matches!(outcome, Outcome::Miss { .. }));
+        check_eq!(fast::access(&mut got, line), outcome, "{line:?}, {load:?}");
+        cover!(s, "nothing stored", got.metadata.stored.is_none());
+        let Some(index) = expected.metadata.loaded else { return Ok(()) };
+        check_eq!(got.metadata.loaded, Some(index), "{line:?}, {load:?}: set loaded");
+        check_eq!(got.metadata.stored.unwrap_or((index, load)), expected.metadata.stored.unwrap_or((index, load)), "{line:?}, {load:?}: set stored");
+        check_eq!(got.counters, expected.counters, "{line:?}, {load:?}");
+        check!(matches!(outcome, Outcome::Hit { .. }) || got.metadata.stored.is_some(), "{line:?}, {load:?}: a miss is stored");
+    }
+}

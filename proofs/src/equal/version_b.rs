@@ -1,0 +1,330 @@
+//! The twin of version B that moves no bytes: `saarcor_fast::version_b`.
+//!
+//! **Corresponding states.** The twin's sets are what the specification's metadata decodes to, wherever
+//! it lies; its metadata cache holds the same granules in the same ways, dirty where they are dirty.
+//! **Outcomes.** The sets loaded, and every granule used, loaded and written back, in order: an
+//! observer on each side keeps them.
+//!
+//! Metadata that no encoder writes corresponds to nothing: the twin has no bits that could flip.
+//!
+//! Sets of two ways, whose 10 bytes of metadata straddle granules of 4 and share one, behind metadata
+//! caches of one and two ways and sets. To Kani one set of one way behind a metadata cache of one
+//! granule, and any bytes beside it; how a directory meets its metadata is
+//! [`fast_directory_meets_any_metadata_alike`](super::directory::fast_directory_meets_any_metadata_alike).
+
+use crate::draw::{self, BYTES, WORDS};
+use crate::source::{Holds, Source, Stop};
+use crate::{assume, check, check_eq, cover, shown, theorems};
+use saarcor_fast::directory as fast;
+use saarcor_fast::version_b::MetadataDecisions;
+use saarcor_model::vm::{
+    CacheConfig, CachedMetadata, DataSet, Directory, ENTRY_BYTES, Hash, HostAddr, LineAddr, Metadata,
+    MetadataObserver, OnChip, Outcome, Policy, Set, SetIndex, WriteBack,
+};
+
+const WAYS: usize = if cfg!(kani) { 1 } else { 2 };
+const SETS: usize = if cfg!(kani) { 1 } else { 2 };
+const SET_BYTES: usize = WAYS * ENTRY_BYTES;
+/// Bytes of whole granules of any size that hold the metadata of all sets.
+const MOST_BYTES: usize = SETS * SET_BYTES + 16;
+/// Most granules that one step uses: all of each set's, to load and to store each of its lines.
+const MOST_EVENTS: usize = if cfg!(kani) { 6 } else { 40 };
+
+/// Keeps what a metadata cache does, in order: of each granule used, its number, the outcome, and the
+/// granule written back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Record {
+    events: [Option<(LineAddr, Outcome, Option<LineAddr>)>; MOST_EVENTS],
+    count: usize,
+    corrupt: usize,
+}
+
+impl Record {
+    const EMPTY: Self = Self { events: [None; MOST_EVENTS], count: 0, corrupt: 0 };
+
+    /// Whether any granule was loaded, and whether any was written back.
+    fn moves(&self) -> (bool, bool) {
+        let (mut loaded, mut written_back) = (false, false);
+        for event in self.events {
+            if let Some((_, outcome, write_back)) = event {
+                loaded |= matches!(outcome, Outcome::Miss { .. });
+                written_back |= write_back.is_some();
+            }
+        }
+        (loaded, written_back)
+    }
+}
+
+impl<Contents> MetadataObserver<Contents> for Record {
+    fn granule_used(&mut self, granule: LineAddr, outcome: Outcome, write_back: Option<WriteBack<Contents>>) {
+        if self.count < MOST_EVENTS {
+            self.events[self.count] = Some((granule, outcome, write_back.map(|back| back.line)));
+        }
+        self.count += 1;
+    }
+
+    fn corrupt(&mut self) {
+        self.corrupt += 1;
+    }
+}
+
+type Spec<const META_WAYS: usize, const GRANULE: usize> = CachedMetadata<WAYS, META_WAYS, GRANULE, Record>;
+type Twin<const META_WAYS: usize> = MetadataDecisions<WAYS, META_WAYS, Record>;
+
+/// Any legal set of metadata. Small scope: line `way` in each way.
+fn set<S: Source>(s: &mut S, policy: Policy) -> Result<Set<WAYS>, Stop> {
+    let mut set = Set::empty(policy);
+    for way in 0..WAYS {
+        set.resident[way] = draw::flag(s, "resident");
+        set.lines[way] = LineAddr(s.value("line of a way", 0..=u32::MAX, draw::words(way, 1)));
+    }
+    set.order = draw::order(s, policy);
+    assume!(set.is_valid(policy));
+    Ok(set)
+}
+
+/// Any version B in any consistent state, the twin's state that corresponds to it, and a set's number.
+///
+/// Small scope: one other set beside, one stale byte for all on the card that are out of date.
+fn states<S: Source, const META_WAYS: usize, const GRANULE: usize>(
+    s: &mut S,
+    config: &CacheConfig,
+    meta_sets: usize,
+) -> Result<(Spec<META_WAYS, GRANULE>, Twin<META_WAYS>, SetIndex), Stop> {
+    let policy = config.policy;
+    let granules = if META_WAYS == 1 { Policy::Lru } else { draw::policy(s) };
+    // The only set is a constant to Kani, and with it every position of its metadata.
+    let own = if SETS == 1 { 0 } else { s.value("set", 0..=SETS as u32 - 1, draw::words(0, SETS)) as usize };
+    let mut sets = [Set::<WAYS>::empty(policy); SETS];
+    for index in 0..SETS {
+        sets[index] = if index == own {
+            set(s, policy)?
+        } else {
+            Set::empty(policy).access(draw::line(s, &WORDS[9..10]), policy).0
+        };
+    }
+    let used = (SETS * SET_BYTES).div_ceil(GRANULE) * GRANULE;
+    let mut truth = [s.value("byte beside the sets", 0..=u8::MAX, &BYTES[9..10]); MOST_BYTES];
+    for index in 0..SETS {
+        let entries = sets[index].to_entries();
+        for i in 0..SET_BYTES {
+            truth[index * SET_BYTES + i] = entries[i / ENTRY_BYTES][i % ENTRY_BYTES];
+        }
+    }
+    let stale = s.value("old byte on the card", 0..=u8::MAX, &BYTES[..1]);
+    let mut card = truth;
+    let mut cache = vec![DataSet::<META_WAYS, [u8; GRANULE]>::empty(granules, [0; GRANULE]); meta_sets];
+    let mut decisions = vec![DataSet::<META_WAYS, ()>::empty(granules, ()); meta_sets];
+    for index in 0..meta_sets {
+        let mut cached = DataSet::empty(granules, [0; GRANULE]);
+        for way in 0..META_WAYS {
+            if !draw::flag(s, "granule is resident") {
+                continue;
+            }
+            let last = used / GRANULE - 1;
+            let granule = s.value("granule in the cache", 0..=last as u32, draw::words(0, last + 1));
+            assume!(granule as usize % meta_sets == index);
+            let dirty = draw::flag(s, "dirty");
+            (cached.set.resident[way], cached.set.lines[way], cached.dirty[way]) =
+                (true, LineAddr(granule), dirty);
+            for i in 0..used {
+                if i / GRANULE == granule as usize {
+                    cached.contents[way][i % GRANULE] = truth[i];
+                    card[i] = if dirty { stale } else { truth[i] };
+                }
+            }
+        }
+        cached.set.order = draw::order(s, granules);
+        assume!(cached.is_valid(granules));
+        cache[index] = cached;
+        (decisions[index].set, decisions[index].dirty) = (cached.set, cached.dirty);
+    }
+    let spec = Spec { lines: policy, granules, cache, card: card[..used].to_vec(), observer: Record::EMPTY };
+    let mut on_chip = OnChip::new(SETS as u64, policy);
+    for index in 0..SETS {
+        on_chip.sets[index] = sets[index];
+    }
+    let twin =
+        Twin { sets: on_chip, granules, cache: decisions, granule_bytes: GRANULE, observer: Record::EMPTY };
+    Ok((spec, twin, SetIndex(own as u32)))
+}
+
+/// Whether the states correspond, and both did the same to the metadata cache.
+fn correspond<const META_WAYS: usize, const GRANULE: usize>(
+    spec: &Spec<META_WAYS, GRANULE>,
+    twin: &Twin<META_WAYS>,
+) -> bool {
+    let mut same =
+        spec.observer == twin.observer && spec.observer.corrupt == 0 && spec.observer.count <= MOST_EVENTS;
+    for index in 0..SETS {
+        same &= spec.entries(SetIndex(index as u32)) == twin.sets.sets[index].to_entries();
+    }
+    for index in 0..twin.cache.len() {
+        same &= spec.cache[index].set == twin.cache[index].set
+            && spec.cache[index].dirty == twin.cache[index].dirty;
+    }
+    same
+}
+
+/// Judges a body for granules smaller and larger than the metadata of a set, and metadata caches of
+/// several shapes: ways, bytes a granule, sets.
+macro_rules! any_cache {
+    ($source:expr, $body:ident) => {
+        match if cfg!(kani) { 0 } else { $source.value("metadata cache", 0..=3, &BYTES[..4]) } {
+            0 => $body::<S, 1, 4>($source, 1)?,
+            #[cfg(not(kani))]
+            1 => $body::<S, 2, 4>($source, 1)?,
+            #[cfg(not(kani))]
+            2 => $body::<S, 1, 4>($source, 2)?,
+            _ => $body::<S, 1, 16>($source, 1)?,
+        }
+    };
+}
+
+/// The configuration of the lines.
+fn config<S: Source>(s: &mut S) -> Result<CacheConfig, Stop> {
+    crate::vm::directory::config::<S, WAYS, SETS>(s)
+}
+
+fn loads_alike<S: Source, const META_WAYS: usize, const GRANULE: usize>(
+    s: &mut S,
+    meta_sets: usize,
+) -> Holds {
+    let config = config(s)?;
+    let (mut spec, mut twin, own) = states::<S, META_WAYS, GRANULE>(s, &config, meta_sets)?;
+    let before = shown!(spec.clone());
+    let expected = spec.load(own);
+    check_eq!(twin.load(own), expected, "{own:?} of {before:?}");
+    let (loaded, written_back) = spec.observer.moves();
+    cover!(s, "nothing moves", !loaded && !written_back);
+    cover!(s, "loaded", loaded);
+    cover!(s, "written back", written_back);
+    check!(correspond(&spec, &twin), "{own:?} of {before:?} loaded: {spec:?} and {twin:?}");
+    Ok(())
+}
+
+fn stores_alike<S: Source, const META_WAYS: usize, const GRANULE: usize>(
+    s: &mut S,
+    meta_sets: usize,
+) -> Holds {
+    let config = config(s)?;
+    let (mut spec, mut twin, own) = states::<S, META_WAYS, GRANULE>(s, &config, meta_sets)?;
+    let before = shown!(spec.clone());
+    let new = set(s, config.policy)?;
+    spec.store(own, &new);
+    twin.store(own, &new);
+    cover!(s, "nothing used", spec.observer.count == 0);
+    cover!(s, "a granule used", spec.observer.count == 1);
+    cover!(s, "written back", spec.observer.moves().1);
+    check!(correspond(&spec, &twin), "{new:?} stored as {own:?} of {before:?}: {spec:?} and {twin:?}");
+    Ok(())
+}
+
+fn clears_alike<S: Source, const META_WAYS: usize, const GRANULE: usize>(
+    s: &mut S,
+    meta_sets: usize,
+) -> Holds {
+    let config = config(s)?;
+    let (mut spec, mut twin, _) = states::<S, META_WAYS, GRANULE>(s, &config, meta_sets)?;
+    let before = shown!(spec.clone());
+    cover!(s, "a dirty granule", spec.cache[0].dirty[0]);
+    cover!(s, "no granule", !spec.cache[0].set.resident[0]);
+    spec.clear();
+    twin.clear();
+    check!(correspond(&spec, &twin), "{before:?} cleared: {spec:?} and {twin:?}");
+    Ok(())
+}
+
+fn stores_nothing_new<S: Source, const META_WAYS: usize, const GRANULE: usize>(
+    s: &mut S,
+    meta_sets: usize,
+) -> Holds {
+    let config = config(s)?;
+    let (mut spec, _, own) = states::<S, META_WAYS, GRANULE>(s, &config, meta_sets)?;
+    let loaded = spec.load(own);
+    let before = spec.clone();
+    cover!(s, "a dirty granule", spec.cache[0].dirty[0]);
+    cover!(s, "a clean granule", !spec.cache[0].dirty[0]);
+    spec.store(own, &loaded);
+    check!(spec == before, "{loaded:?} loaded and stored as {own:?} of {before:?}: {spec:?}");
+    Ok(())
+}
+
+fn runs_alike<S: Source, const META_WAYS: usize, const GRANULE: usize>(s: &mut S, meta_sets: usize) -> Holds {
+    let mut config = config(s)?;
+    config.hash = match draw::flag(s, "hash (low, add-upper)") {
+        false => Hash::Low,
+        true => Hash::AddUpper,
+    };
+    let (spec, twin, _) = states::<S, META_WAYS, GRANULE>(s, &config, meta_sets)?;
+    let before = shown!(spec.clone());
+    let (mut spec, mut twin) = (Directory::over(config, spec), Directory::over(config, twin));
+    let step = s.value("step (access, invalidate, flush)", 0..=2, &BYTES[..3]);
+    let (addr, len) = match step {
+        0 => (draw::addr(s, &[0, 2, 4, 6]), 1),
+        1 => (draw::addr(s, &[0, 3]), s.value("bytes", 0..=u64::MAX, &[0, 1, 3, u64::MAX])),
+        _ => (HostAddr(0), 0),
+    };
+    match step {
+        0 => {
+            let line = config.geometry.line_of(addr);
+            let expected = spec.access(line);
+            cover!(s, "hit", matches!(expected, Outcome::Hit { .. }));
+            cover!(s, "miss", matches!(expected, Outcome::Miss { .. }));
+            check_eq!(fast::access(&mut twin, line), expected, "access {line:?} to {before:?}");
+        }
+        1 => {
+            spec.invalidate(addr, len);
+            twin.invalidate(addr, len);
+            cover!(s, "invalidated", spec.counters.invalidated > 0);
+        }
+        _ => {
+            spec.flush();
+            twin.flush();
+            cover!(s, "flushed", true);
+        }
+    }
+    check_eq!(twin.counters, spec.counters, "step {step}, {len} bytes at {addr:?} of {before:?}");
+    check!(
+        correspond(&spec.metadata, &twin.metadata),
+        "step {step}, {len} bytes at {addr:?} of {before:?}: {spec:?} and {twin:?}"
+    );
+    Ok(())
+}
+
+theorems! {
+    /// From corresponding states, the twin of version B loads the set that the specification loads,
+    /// uses, loads and writes back the same granules in the same order, and corresponds again.
+    #["VM-13", unwind 13, covers ["nothing moves", "loaded", "written back"]]
+    fn fast_version_b_loads_alike(s) {
+        any_cache!(s, loads_alike);
+    }
+
+    /// From corresponding states, a store of any set uses, loads and writes back the same granules
+    /// in the same order, those that change and no others, and the states correspond again.
+    #["VM-13", unwind 13, covers ["nothing used", "a granule used", "written back"]]
+    fn fast_version_b_stores_alike(s) {
+        any_cache!(s, stores_alike);
+    }
+
+    /// From corresponding states, a flush leaves corresponding states.
+    #["VM-13", unwind 14, covers ["a dirty granule", "no granule"]]
+    fn fast_version_b_clears_alike(s) {
+        any_cache!(s, clears_alike);
+    }
+
+    /// A store of the set that was just loaded uses no granule and changes nothing: a directory may
+    /// leave it out.
+    #["VM-13", unwind 13, covers ["a dirty granule", "a clean granule"]]
+    fn storing_what_was_loaded_changes_nothing(s) {
+        any_cache!(s, stores_nothing_new);
+    }
+
+    /// From corresponding states, an access, an invalidation of any range or a flush of version B's
+    /// directory gives the same outcome and counters on both sides, moves the same granules in the
+    /// same order, and leaves corresponding states.
+    #["VM-13", not_for_kani "A step is made of a load and a store, which Kani judges, by `fast_directory_meets_any_metadata_alike`.", covers ["hit", "miss", "invalidated", "flushed"]]
+    fn fast_version_b_steps_alike(s) {
+        any_cache!(s, runs_alike);
+    }
+}
