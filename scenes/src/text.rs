@@ -4,23 +4,41 @@ use std::path::Path;
 
 use crate::error::SceneError;
 
+/// What is wrong with a file or a word, without its place: the end of a sentence about the file, or a
+/// sentence about the word.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum TextError {
+    #[error("no such file")]
+    NoFile,
+    #[error("is a directory, and a file is needed")]
+    Folder,
+    #[error("is a device or a pipe, and a regular file is needed")]
+    Device,
+    #[error("cannot be read: {0}")]
+    Unreadable(std::io::Error),
+    #[error("{} is not finite in 32 bits, and must be", quoted(.0))]
+    NotFinite(String),
+    #[error("{} is not a number", quoted(.0))]
+    NoNumber(String),
+}
+
 /// Reads a regular file.
 ///
 /// # Errors
 ///
-/// Why not, as the end of a sentence about the file.
-pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
+/// Why it cannot be read.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, TextError> {
     let metadata = std::fs::metadata(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => "no such file".to_owned(),
-        _ => format!("cannot be read: {error}"),
+        std::io::ErrorKind::NotFound => TextError::NoFile,
+        _ => TextError::Unreadable(error),
     })?;
     if metadata.is_dir() {
-        return Err("is a directory, and a file is needed".to_owned());
+        return Err(TextError::Folder);
     }
     if !metadata.is_file() {
-        return Err("is a device or a pipe, and a regular file is needed".to_owned());
+        return Err(TextError::Device);
     }
-    std::fs::read(path).map_err(|error| format!("cannot be read: {error}"))
+    std::fs::read(path).map_err(TextError::Unreadable)
 }
 
 /// Reads a text file, without its byte order mark.
@@ -29,7 +47,7 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
 ///
 /// When the file cannot be read or is not UTF-8; the latter with the line.
 pub(crate) fn read_text(path: &Path) -> Result<String, SceneError> {
-    let bytes = read_bytes(path).map_err(|reason| SceneError::in_file(path, reason))?;
+    let bytes = read_bytes(path).map_err(|reason| SceneError::in_file(path, reason.to_string()))?;
     let mut text = String::from_utf8(bytes).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
@@ -53,12 +71,12 @@ pub(crate) fn split_keyword(line: &str) -> Option<(&str, &str)> {
 ///
 /// # Errors
 ///
-/// What is wrong with the word, as a sentence.
-pub(crate) fn finite(word: &str) -> Result<f32, String> {
+/// What is wrong with the word.
+pub(crate) fn finite(word: &str) -> Result<f32, TextError> {
     match word.parse::<f32>() {
         Ok(number) if number.is_finite() => Ok(number),
-        Ok(_) => Err(format!("{} is not finite in 32 bits, and must be", quoted(word))),
-        Err(_) => Err(format!("{} is not a number", quoted(word))),
+        Ok(_) => Err(TextError::NotFinite(word.to_owned())),
+        Err(_) => Err(TextError::NoNumber(word.to_owned())),
     }
 }
 

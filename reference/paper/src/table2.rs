@@ -8,9 +8,9 @@ use saarcor_model::time::{ChipConfig, PciConfig, Version};
 use saarcor_model::vm::{Bytes, Geometry, Hash};
 use saarcor_studies::StudyError;
 use saarcor_studies::monitor::Monitor;
-use saarcor_studies::simulate::{PacketOrder, TimingRow, record, record_before};
+use saarcor_studies::simulate::{TimingRow, record, record_before};
 use saarcor_studies::standard;
-use saarcor_studies::trace::TraceOptions;
+use saarcor_studies::trace::{PacketOrder, TraceOptions};
 use saarcor_studies::world::World;
 use serde::Serialize;
 

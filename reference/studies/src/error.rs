@@ -1,8 +1,5 @@
 //! What can go wrong in a study.
 
-use crate::accuracy::replay::RecordError;
-use crate::crosscheck::kept::KeptRayError;
-use crate::sampling::plan::TooFewBlocks;
 use saarcor_model::host::ImageError;
 use saarcor_model::time::ConfigError;
 use saarcor_model::vm::GeometryError;
@@ -77,15 +74,35 @@ pub enum StudyError {
     /// Packets of single rays cannot be sampled.
     #[error("--sample with --packet 1: sampling needs packets of 4, 16 or 64 rays")]
     SingleRays,
-    /// A sample is too small.
-    #[error(transparent)]
-    Sample(#[from] TooFewBlocks),
-    /// A file of cases is wrong.
-    #[error(transparent)]
-    Record(#[from] RecordError),
-    /// A file of rays is wrong.
-    #[error(transparent)]
-    KeptRay(#[from] KeptRayError),
+    /// A sample is too small for an interval.
+    #[error("sample of {sample}: {why}")]
+    SmallSample {
+        /// The part of the packets that was asked for.
+        sample: String,
+        /// Of what it has too few, and what would be enough.
+        why: String,
+    },
+    /// A line of a file of cases is no case.
+    #[error("line {line}: no case as 'accuracy --out' writes")]
+    BadRecord {
+        /// The line, counted from 1.
+        line: usize,
+        /// What is wrong with it.
+        source: serde_json::Error,
+    },
+    /// A file of cases has none.
+    #[error("no case: write a line of JSON a case, as 'accuracy --out' does")]
+    NoRecords,
+    /// A line of a file of rays is no ray.
+    #[error("{file}:{line}: {why}")]
+    BadRay {
+        /// The file.
+        file: String,
+        /// The line, counted from 1.
+        line: usize,
+        /// What is wrong with it, and what would be right.
+        why: String,
+    },
     /// Embree is not there, or does not run.
     #[error(transparent)]
     Embree(#[from] EmbreeError),

@@ -27,6 +27,7 @@
 //! | module | subject |
 //! |---|---|
 //! | [`world`] | a scene made ready for the chip |
+//! | [`trace`] | how pictures are traced |
 //! | [`summary`] | what a scene needs, and the bytes of its image |
 //! | [`picture`] | a frame through any memory |
 //! | [`walk`] | step one of §4: the traffic of a walk through a scene |
@@ -43,6 +44,7 @@
 
 pub mod accuracy;
 pub mod crosscheck;
+mod dispatch;
 pub mod error;
 pub mod metadata;
 pub mod monitor;

@@ -1,7 +1,6 @@
 //! What is called how, on a command line and in rows.
 
-use crate::simulate::PacketOrder;
-use crate::trace::PacketSize;
+use crate::trace::{PacketOrder, PacketSize};
 use saarcor_model::rays::Kernel;
 use saarcor_model::time::{PciConfig, Version};
 use saarcor_scenes::kdbuild::SplitRule;

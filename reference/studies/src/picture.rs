@@ -1,6 +1,7 @@
 //! Pictures: a frame through any memory.
 
-use crate::trace::{ForPackets, TraceOptions};
+use crate::dispatch::{ForPackets, ForWays, with_packets, with_ways};
+use crate::trace::TraceOptions;
 use crate::world::World;
 use glam::Vec3;
 use image::RgbImage;
@@ -27,7 +28,8 @@ pub fn picture(memory: &mut dyn Memory, world: &World, frame: usize, options: &T
     let frame = Frame::new(&world.path[frame], width, height);
     let mut memory = Observed::by_nobody(memory);
     let registers = &world.image.registers;
-    options.packet.run(Render { memory: &mut memory, registers, frame, max_bounces: options.max_bounces })
+    let work = Render { memory: &mut memory, registers, frame, max_bounces: options.max_bounces };
+    with_packets(options.packet, work)
 }
 
 /// The picture without virtual memory.
@@ -44,24 +46,25 @@ pub fn through_virtual_memory(
     options: &TraceOptions,
     cache: CacheConfig,
 ) -> (Picture, Counters) {
-    match cache.geometry.ways() {
-        1 => through_ways::<1>(world, frame, options, cache),
-        2 => through_ways::<2>(world, frame, options, cache),
-        4 => through_ways::<4>(world, frame, options, cache),
-        8 => through_ways::<8>(world, frame, options, cache),
-        _ => through_ways::<16>(world, frame, options, cache),
-    }
+    with_ways(cache.geometry.ways(), RenderThrough { world, frame, options, cache })
 }
 
-fn through_ways<const WAYS: usize>(
-    world: &World,
+struct RenderThrough<'a> {
+    world: &'a World,
     frame: usize,
-    options: &TraceOptions,
+    options: &'a TraceOptions,
     cache: CacheConfig,
-) -> (Picture, Counters) {
-    let mut memory = VirtualMemory::new(Directory::<WAYS>::new(cache), &world.image.bytes);
-    let picture = picture(&mut memory, world, frame, options);
-    (picture, memory.directory.counters)
+}
+
+impl ForWays for RenderThrough<'_> {
+    type Output = (Picture, Counters);
+
+    fn run<const WAYS: usize>(self) -> Self::Output {
+        let Self { world, frame, options, cache } = self;
+        let mut memory = VirtualMemory::new(Directory::<WAYS>::new(cache), &world.image.bytes);
+        let picture = picture(&mut memory, world, frame, options);
+        (picture, memory.directory.counters)
+    }
 }
 
 struct Render<'a, 'm> {

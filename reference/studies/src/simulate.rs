@@ -4,9 +4,10 @@
 //! [`simulate`](saarcor_fast::chip::simulate) plays what was recorded on any number of chips; [`TimingRow`]
 //! says what a run took.
 
+use crate::dispatch::{ForPackets, with_packets};
 use crate::names::version_name;
 use crate::picture::{Picture, put_pixels};
-use crate::trace::{ForPackets, TraceOptions};
+use crate::trace::{PacketOrder, TraceOptions};
 use crate::world::World;
 use glam::Vec3;
 use image::RgbImage;
@@ -21,33 +22,6 @@ use std::collections::BTreeMap;
 
 /// Packets traced before their colours are put into the picture: bounds the memory for colours.
 const PACKETS_A_BATCH: usize = 4096;
-
-/// In which order the packets of a picture are handed out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum PacketOrder {
-    /// Tiles from left to right, then downwards (RG-2).
-    #[default]
-    Scan,
-    /// Along Morton's curve (1966): tiles that follow one another are near in both directions.
-    Morton,
-}
-
-impl PacketOrder {
-    /// The numbers of the packets, in scan order, of a picture of `columns` × `rows` tiles.
-    #[must_use]
-    pub fn packets(self, (columns, rows): (u32, u32)) -> Vec<u32> {
-        let mut packets: Vec<u32> = (0..columns * rows).collect();
-        if self == Self::Morton {
-            packets.sort_by_key(|packet| spread(packet % columns) | spread(packet / columns) << 1);
-        }
-        packets
-    }
-}
-
-/// The bits of a number, each at twice its place.
-fn spread(number: u32) -> u64 {
-    (0..u32::BITS).fold(0, |sum, bit| sum | u64::from(number >> bit & 1) << (2 * bit))
-}
 
 /// A frame, traced: what its packets do, and what is seen.
 #[derive(Clone, Debug)]
@@ -131,7 +105,8 @@ fn trace_packets(
 ) {
     let (width, height) = options.resolution;
     let frame = Frame::new(&world.path[frame], width, height);
-    options.packet.run(TracePackets { world, frame, max_bounces: options.max_bounces, packets, each });
+    let work = TracePackets { world, frame, max_bounces: options.max_bounces, packets, each };
+    with_packets(options.packet, work);
 }
 
 struct TracePackets<'a> {
@@ -303,17 +278,5 @@ impl TimingRow {
             l2_merged: report.l2.merged,
             units: UNIT_NAMES.into_iter().zip(report.units.map(UnitRow::from)).collect(),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn morton_order_keeps_neighbours_together() {
-        let order = PacketOrder::Morton.packets((4, 3));
-        assert_eq!(order, [0, 1, 4, 5, 2, 3, 6, 7, 8, 9, 10, 11]);
-        assert_eq!(PacketOrder::Scan.packets((2, 2)), [0, 1, 2, 3]);
     }
 }

@@ -1,4 +1,4 @@
-//! How pictures are traced: their size, packets and bounces.
+//! How pictures are traced: their size, their packets and the order of these, and their bounces.
 
 /// Rays a packet: a square tile of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,23 +46,41 @@ impl TraceOptions {
     }
 }
 
-/// Work that is written for packets of `N` rays.
-pub(crate) trait ForPackets {
-    /// What it gives.
-    type Output;
-
-    /// Does the work for packets of `N` rays.
-    fn run<const N: usize>(self) -> Self::Output;
+/// In which order the packets of a picture are handed out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum PacketOrder {
+    /// Tiles from left to right, then downwards (RG-2).
+    #[default]
+    Scan,
+    /// Along Morton's curve (1966): tiles that follow one another are near in both directions.
+    Morton,
 }
 
-impl PacketSize {
-    /// Does `work` for packets of this size.
-    pub(crate) fn run<W: ForPackets>(self, work: W) -> W::Output {
-        match self {
-            Self::Rays1 => work.run::<1>(),
-            Self::Rays4 => work.run::<4>(),
-            Self::Rays16 => work.run::<16>(),
-            Self::Rays64 => work.run::<64>(),
+impl PacketOrder {
+    /// The numbers of the packets, in scan order, of a picture of `columns` × `rows` tiles.
+    #[must_use]
+    pub fn packets(self, (columns, rows): (u32, u32)) -> Vec<u32> {
+        let mut packets: Vec<u32> = (0..columns * rows).collect();
+        if self == Self::Morton {
+            packets.sort_by_key(|packet| spread(packet % columns) | spread(packet / columns) << 1);
         }
+        packets
+    }
+}
+
+/// The bits of a number, each at twice its place.
+fn spread(number: u32) -> u64 {
+    (0..u32::BITS).fold(0, |sum, bit| sum | u64::from(number >> bit & 1) << (2 * bit))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn morton_order_keeps_neighbours_together() {
+        let order = PacketOrder::Morton.packets((4, 3));
+        assert_eq!(order, [0, 1, 4, 5, 2, 3, 6, 7, 8, 9, 10, 11]);
+        assert_eq!(PacketOrder::Scan.packets((2, 2)), [0, 1, 2, 3]);
     }
 }

@@ -5,7 +5,8 @@
 //! and record the addresses, and the cache sees the records in one defined order: packets in scan
 //! order, frame after frame. Results are the same for any number of threads.
 
-use crate::trace::{ForPackets, TraceOptions};
+use crate::dispatch::{ForPackets, ForWays, with_packets, with_ways};
+use crate::trace::TraceOptions;
 use crate::world::World;
 use rayon::prelude::*;
 use saarcor_fast::directory;
@@ -212,7 +213,8 @@ fn trace_frame(
 ) -> ControlFlow<(), RayCounts> {
     let (width, height) = options.resolution;
     let frame = Frame::new(&world.path[frame], width, height);
-    options.packet.run(TraceFrame { world, frame, max_bounces: options.max_bounces, cache, consume })
+    let work = TraceFrame { world, frame, max_bounces: options.max_bounces, cache, consume };
+    with_packets(options.packet, work)
 }
 
 struct TraceFrame<'a> {
@@ -289,12 +291,19 @@ pub trait ObservedCache: Send {
 /// An empty cache in front of `host` bytes of host memory.
 #[must_use]
 pub fn observed_cache(config: CacheConfig, host: Bytes) -> Box<dyn ObservedCache> {
-    match config.geometry.ways() {
-        1 => Box::new(History::<1>::new(config, host)),
-        2 => Box::new(History::<2>::new(config, host)),
-        4 => Box::new(History::<4>::new(config, host)),
-        8 => Box::new(History::<8>::new(config, host)),
-        _ => Box::new(History::<16>::new(config, host)),
+    with_ways(config.geometry.ways(), NewCache { config, host })
+}
+
+struct NewCache {
+    config: CacheConfig,
+    host: Bytes,
+}
+
+impl ForWays for NewCache {
+    type Output = Box<dyn ObservedCache>;
+
+    fn run<const WAYS: usize>(self) -> Self::Output {
+        Box::new(History::<WAYS>::new(self.config, self.host))
     }
 }
 

@@ -1,6 +1,5 @@
 //! Planes that cut a cell, and the spatial median.
 
-use super::reference::Reference;
 use saarcor_model::host::{Aabb, Axis};
 
 /// Where a triangle's part lies, seen from a plane.
@@ -41,14 +40,11 @@ impl Plane {
         }
     }
 
-    /// The number of references with a part below, and with one above.
-    pub fn count(&self, references: &[Reference]) -> [usize; 2] {
-        references.iter().map(|reference| self.side(&reference.bounds)).fold(
-            [0, 0],
-            |[below, above], side| {
-                [below + usize::from(side != Side::Above), above + usize::from(side != Side::Below)]
-            },
-        )
+    /// The number of boxes with a part below, and with one above.
+    pub fn count<'a>(&self, boxes: impl Iterator<Item = &'a Aabb>) -> [usize; 2] {
+        boxes.map(|bounds| self.side(bounds)).fold([0, 0], |[below, above], side| {
+            [below + usize::from(side != Side::Above), above + usize::from(side != Side::Below)]
+        })
     }
 
     /// The parts of a box below and above the plane, which cuts it.
@@ -62,7 +58,7 @@ impl Plane {
 
 /// The middle of the cell's longest side; triangles in it belong to the side below. `None` when
 /// no f32 lies inside that side.
-pub(super) fn spatial_median(cell: &Aabb, references: &[Reference]) -> Option<Plane> {
+pub(super) fn spatial_median<'a>(cell: &Aabb, boxes: impl Iterator<Item = &'a Aabb>) -> Option<Plane> {
     let (min, max) = (cell.min.as_dvec3(), cell.max.as_dvec3());
     let axis = Axis::ALL[(max - min).max_position()];
     let at = ((min[axis as usize] + max[axis as usize]) / 2.0) as f32;
@@ -70,6 +66,6 @@ pub(super) fn spatial_median(cell: &Aabb, references: &[Reference]) -> Option<Pl
         return None;
     }
     let mut plane = Plane { axis, at, flat_below: true, counts: [0; 2] };
-    plane.counts = plane.count(references);
+    plane.counts = plane.count(boxes);
     Some(plane)
 }

@@ -142,7 +142,10 @@ impl Builder<'_> {
         }
         let plane = match self.rule {
             SplitRule::SurfaceArea => surface_area(&cell.bounds, references, &self.costs, ends),
-            SplitRule::SpatialMedian => spatial_median(&cell.bounds, references),
+            SplitRule::SpatialMedian => {
+                let boxes = references.iter().map(|reference| &reference.bounds);
+                spatial_median(&cell.bounds, boxes)
+            }
         }?;
         let affordable = plane.counts[0] as u64 + plane.counts[1] as u64 <= cell.limits.references;
         affordable.then_some(plane)

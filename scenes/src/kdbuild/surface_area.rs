@@ -287,7 +287,7 @@ mod tests {
                 let thickness = [f64::from(at) - slab.min, slab.max - f64::from(at)];
                 for flat_below in [true, false] {
                     let mut plane = Plane { axis, at, flat_below, counts: [0; 2] };
-                    plane.counts = plane.count(references);
+                    plane.counts = plane.count(references.iter().map(|reference| &reference.bounds));
                     let cost = slab.cost(thickness, plane.counts);
                     if cost < best.cost {
                         best = Best { cost, plane: Some(plane) };

@@ -143,9 +143,9 @@ fn split_options(rest: &str) -> Result<(f32, &str), String> {
     }
 }
 
-/// Reads an image; its kind is told by its content.
+/// Reads an image; its content says of which kind it is.
 fn decode(path: &Path, texels: Texels) -> Result<Image, String> {
-    let bytes = read_bytes(path)?;
+    let bytes = read_bytes(path).map_err(|error| error.to_string())?;
     let broken = |error: &dyn std::fmt::Display| {
         let reason = error.to_string().replace('\n', " ");
         format!("cannot be decoded ({reason}): a whole PNG or JPEG file is needed")

@@ -9,9 +9,8 @@ use saarcor_model::time::Version;
 use saarcor_studies::sampling::accuracy::{Accuracy, of_simulate, of_walk};
 use saarcor_studies::sampling::plan::{Plan, SampleFraction};
 use saarcor_studies::sampling::simulate::SampledFrame;
-use saarcor_studies::simulate::PacketOrder;
 use saarcor_studies::standard;
-use saarcor_studies::trace::{PacketSize, TraceOptions};
+use saarcor_studies::trace::{PacketOrder, PacketSize, TraceOptions};
 use saarcor_studies::walk::WalkOptions;
 use saarcor_studies::world::{World, WorldOptions};
 

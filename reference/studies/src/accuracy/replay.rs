@@ -4,6 +4,7 @@ use super::case::{Case, Found, Truth};
 use super::contest::Contestant;
 use super::measure::{AccuracyRow, Fault};
 use super::suites::Suite;
+use crate::error::StudyError;
 use glam::Vec3;
 use saarcor_model::rays::Ray;
 use serde::{Deserialize, Serialize};
@@ -66,32 +67,16 @@ pub fn worst(row: &AccuracyRow, suite: &Suite, seed: u64) -> Vec<Record> {
     faults.chain(distance).collect()
 }
 
-/// Why a text has no records.
-#[derive(Debug, thiserror::Error)]
-pub enum RecordError {
-    /// A line is no record.
-    #[error("line {line}: no case as 'accuracy --out' writes")]
-    Line {
-        /// The line, counted from 1.
-        line: usize,
-        /// What is wrong with it.
-        source: serde_json::Error,
-    },
-    /// There is no line.
-    #[error("no case: write a line of JSON a case, as 'accuracy --out' does")]
-    Empty,
-}
-
 /// The records of a text, one a line.
 ///
 /// # Errors
 /// If a line is no record.
-pub fn read(text: &str) -> Result<Vec<Record>, RecordError> {
+pub fn read(text: &str) -> Result<Vec<Record>, StudyError> {
     let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
     let record =
-        |(line, text)| serde_json::from_str(text).map_err(|source| RecordError::Line { line, source });
+        |(line, text)| serde_json::from_str(text).map_err(|source| StudyError::BadRecord { line, source });
     let records: Vec<Record> = lines.map(record).collect::<Result<_, _>>()?;
-    if records.is_empty() { Err(RecordError::Empty) } else { Ok(records) }
+    if records.is_empty() { Err(StudyError::NoRecords) } else { Ok(records) }
 }
 
 /// A recorded case, asked again.

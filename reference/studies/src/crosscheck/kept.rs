@@ -6,11 +6,11 @@
 
 use super::judge::{Case, Class};
 use super::rays::{Kind, Question};
+use crate::error::StudyError;
 use glam::Vec3;
 use saarcor_model::rays::Ray;
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::num::ParseFloatError;
 
 /// The rays on which not all agree, as text: of each class the first `most`. `command` says how
 /// they are asked again.
@@ -30,54 +30,37 @@ pub fn to_text(cases: &[Case], most: usize, command: &str) -> String {
     text
 }
 
-/// A row of a text is no ray.
-#[derive(Debug, thiserror::Error)]
-#[error("{name}:{line}")]
-pub struct KeptRayError {
-    /// Name of the file.
-    name: String,
-    /// The line, counted from 1.
-    line: usize,
-    /// What is wrong with it.
-    source: RowError,
-}
-
-/// What is wrong with a row, and what would be right.
-#[derive(Debug, thiserror::Error)]
-enum RowError {
-    #[error("write class, kind and seven numbers")]
-    TooShort,
-    #[error("no such kind of ray: write one of {}", Kind::ALL.map(Kind::name).join(", "))]
-    Kind,
-    #[error("'{text}' is no number")]
-    Number { text: String, source: ParseFloatError },
-    #[error("{0} numbers: write three of the origin, three of the direction and the end")]
-    Numbers(usize),
-    #[error("origin and direction must be finite, and the end of the ray at least 0")]
-    Range,
-}
-
 /// The rays of such a text. `name` is the file's, for errors.
 ///
 /// # Errors
 /// The first row that is none, and what it should be.
-pub fn from_text(text: &str, name: &str) -> Result<Vec<Question>, KeptRayError> {
+pub fn from_text(text: &str, name: &str) -> Result<Vec<Question>, StudyError> {
     let rows = (1..).zip(text.lines()).map(|(number, line)| (number, line.split('#').next().unwrap_or("")));
     let rows = rows.filter(|(_, line)| !line.trim().is_empty());
-    let error = |line, source| KeptRayError { name: name.to_owned(), line, source };
-    rows.map(|(number, line)| question(line).map_err(|source| error(number, source))).collect()
+    let error = |line, why| StudyError::BadRay { file: name.to_owned(), line, why };
+    rows.map(|(number, line)| question(line).map_err(|why| error(number, why))).collect()
 }
 
-fn question(line: &str) -> Result<Question, RowError> {
+/// The ray of a row, or what is wrong with it and what would be right.
+fn question(line: &str) -> Result<Question, String> {
     let fields: Vec<_> = line.split_whitespace().collect();
-    let [_, kind, numbers @ ..] = &fields[..] else { return Err(RowError::TooShort) };
-    let kind = Kind::ALL.into_iter().find(|known| known.name() == *kind).ok_or(RowError::Kind)?;
-    let number =
-        |text: &&str| text.parse().map_err(|source| RowError::Number { text: (*text).to_owned(), source });
+    let [_, kind, numbers @ ..] = &fields[..] else {
+        return Err("write class, kind and seven numbers".to_owned());
+    };
+    let known = Kind::ALL.into_iter().find(|known| known.name() == *kind);
+    let kind = known.ok_or_else(|| {
+        format!("no such kind of ray: write one of {}", Kind::ALL.map(Kind::name).join(", "))
+    })?;
+    let number = |text: &&str| text.parse().map_err(|error| format!("'{text}' is no number: {error}"));
     let numbers: Vec<f32> = numbers.iter().map(number).collect::<Result<_, _>>()?;
-    let [a, b, c, d, e, f, t_max] = numbers[..] else { return Err(RowError::Numbers(numbers.len())) };
+    let [a, b, c, d, e, f, t_max] = numbers[..] else {
+        let count = numbers.len();
+        return Err(format!(
+            "{count} numbers: write three of the origin, three of the direction and the end"
+        ));
+    };
     if !numbers[..6].iter().all(|number| number.is_finite()) || t_max.is_nan() || t_max < 0.0 {
-        return Err(RowError::Range);
+        return Err("origin and direction must be finite, and the end of the ray at least 0".to_owned());
     }
     let (origin, direction) = (Vec3::new(a, b, c), Vec3::new(d, e, f));
     Ok(Question { kind, ray: Ray { origin, direction, t_min: 0.0, t_max } })
@@ -123,9 +106,8 @@ mod tests {
             ("tie aimed 0 0 inf 0 0 1 1", "finite"),
             ("tie aimed 0 0 0 0 0 1 NaN", "at least 0"),
         ] {
-            let KeptRayError { name, line, source } =
-                from_text(&format!("# rays\n\n{line}\n"), "f").expect_err(line);
-            assert!((&*name, line) == ("f", 3) && source.to_string().contains(says), "{source}");
+            let error = from_text(&format!("# rays\n\n{line}\n"), "f").expect_err(line).to_string();
+            assert!(error.starts_with("f:3: ") && error.contains(says), "{error}");
         }
     }
 }

@@ -243,7 +243,7 @@ fn student_975(degrees: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::sampling::plan::SampleFraction;
-    use crate::simulate::PacketOrder;
+    use crate::trace::PacketOrder;
 
     /// 20 × 45 blocks.
     const TILES: (u32, u32) = (320, 90);

@@ -159,7 +159,7 @@ fn distinct(lines: &mut Vec<u32>) -> usize {
 mod tests {
     use super::*;
     use crate::sampling::plan::SampleFraction;
-    use crate::simulate::PacketOrder;
+    use crate::trace::PacketOrder;
 
     fn unknown(first: f64, misses: f64, seen: f64) -> Unknown {
         let plan = Plan::new((16, 2), PacketOrder::Scan, SampleFraction::one_of(1), 0).expect("a plan");

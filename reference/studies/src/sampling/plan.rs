@@ -8,8 +8,8 @@
 //! Blocks and not single tiles, because neighbours read the same lines: what a tile inside a block
 //! finds in a cache is there for the right reason.
 
-use crate::error::ParseError;
-use crate::simulate::PacketOrder;
+use crate::error::{ParseError, StudyError};
+use crate::trace::PacketOrder;
 use saarcor_random::Random;
 use std::fmt;
 use std::str::FromStr;
@@ -92,30 +92,18 @@ pub struct Plan {
     pub sample: Vec<u32>,
 }
 
-/// A sample of too few blocks. Says what would be enough.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TooFewBlocks {
-    part: SampleFraction,
-    blocks: u32,
+/// The error of a sample of too few of a picture's blocks: says what would be enough.
+fn too_few_blocks(sample: SampleFraction, blocks: u32) -> StudyError {
+    let enough = match blocks / LEAST_BLOCKS {
+        0 | 1 => "this picture needs a sample of 1".to_owned(),
+        least => format!("at least 1/{least} is enough"),
+    };
+    let why = format!(
+        "fewer than {LEAST_BLOCKS} of the picture's {blocks} blocks of {} x {} packets, too few for an interval; {enough}",
+        BLOCK.0, BLOCK.1
+    );
+    StudyError::SmallSample { sample: sample.to_string(), why }
 }
-
-impl fmt::Display for TooFewBlocks {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { part, blocks } = self;
-        write!(
-            f,
-            "sample of {part}: fewer than {LEAST_BLOCKS} of the picture's {blocks} blocks of {} x {} \
-             packets, too few for an interval; ",
-            BLOCK.0, BLOCK.1
-        )?;
-        match blocks / LEAST_BLOCKS {
-            0 | 1 => write!(f, "this picture needs a sample of 1"),
-            least => write!(f, "at least 1/{least} is enough"),
-        }
-    }
-}
-
-impl std::error::Error for TooFewBlocks {}
 
 impl Plan {
     /// Draws a `part` of a picture of `columns × rows` tiles; the same for the same `seed`.
@@ -127,14 +115,14 @@ impl Plan {
         order: PacketOrder,
         part: SampleFraction,
         seed: u64,
-    ) -> Result<Self, TooFewBlocks> {
+    ) -> Result<Self, StudyError> {
         let (columns, rows) = tiles;
         let across = columns.div_ceil(BLOCK.0);
         let curve = PacketOrder::Morton.packets((across, rows.div_ceil(BLOCK.1)));
         let all = curve.len() as u32;
         let blocks = part.of(all);
         if blocks < LEAST_BLOCKS.min(all) {
-            return Err(TooFewBlocks { part, blocks: all });
+            return Err(too_few_blocks(part, all));
         }
         let begin = |stratum: u32| (u64::from(stratum) * u64::from(all) / u64::from(blocks)) as u32;
         let mut drawn = vec![None; curve.len()];

@@ -102,7 +102,7 @@ fn put(object: &mut Map<String, Value>, name: &str, value: Value) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::PacketOrder;
+    use crate::trace::PacketOrder;
     use serde_json::json;
 
     #[test]

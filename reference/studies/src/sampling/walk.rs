@@ -5,7 +5,7 @@ use super::plan::{Plan, SampleFraction};
 use super::row::{Quantity, SampleRow};
 use super::trace::{Traced, rough_options};
 use crate::error::StudyError;
-use crate::simulate::PacketOrder;
+use crate::trace::PacketOrder;
 use crate::walk::{FrameCounts, FrameRow, ObservedCache, Walk, WalkOptions, accesses, observed_cache};
 use crate::world::World;
 use saarcor_model::host::Features;
@@ -26,8 +26,7 @@ pub fn walk_sample<E: From<StudyError>>(
     each: &mut dyn FnMut(&SampleRow) -> Result<(), E>,
 ) -> Result<(), E> {
     let trace = &options.trace;
-    let plan =
-        Plan::new(trace.tiles(), PacketOrder::Scan, part, frames.start as u64).map_err(StudyError::from)?;
+    let plan = Plan::new(trace.tiles(), PacketOrder::Scan, part, frames.start as u64)?;
     let row = |frame: u64, quantities| SampleRow::new(vec![("frame", frame.into())], part, &plan, quantities);
     if plan.is_all() {
         let mut walk = Walk::new(world, frames, options);
