@@ -3,9 +3,9 @@
 use saarcor_fast::chip::simulate;
 use saarcor_model::time::Version;
 use saarcor_studies::monitor::Silent;
-use saarcor_studies::simulate::{PacketOrder, record};
+use saarcor_studies::simulate::record;
 use saarcor_studies::standard;
-use saarcor_studies::trace::{PacketSize, TraceOptions};
+use saarcor_studies::trace::{PacketOrder, PacketSize, TraceOptions};
 use saarcor_studies::world::{World, WorldOptions};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
