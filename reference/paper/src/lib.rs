@@ -6,9 +6,9 @@
 //!
 //! let cruiser = table1().iter().find(|row| row.scene == "Cruiser").expect("a scene of Table 1");
 //! assert_eq!(cruiser.triangles, 3_637_101);
-//! // The slowest hot spot of the paper, without virtual memory.
-//! let slowest = table2().iter().min_by(|a, b| a.no_vm.fps.total_cmp(&b.no_vm.fps)).expect("rows");
-//! assert_eq!(slowest.scene, "Conference-8l");
+//! // On the card, version B moves a third more than version A: its metadata.
+//! let row = table2().iter().find(|row| row.scene == "Conference").expect("a hot spot");
+//! assert!((1.31..1.35).contains(&(row.version_b.mem_mb / row.version_a.mem_mb)));
 //! ```
 //!
 //! | module | subject |
