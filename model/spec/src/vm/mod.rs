@@ -1,7 +1,7 @@
 //! The virtual memory of §3: the on-board memory as a cache of host memory.
 //!
 //! Reading order: [`HostAddr`] and the other units; the shape of the cache ([`Geometry`]) and its
-//! index [`Hash`]; one [`Set`] of it, whose step is the heart of all, and the 40 bits of metadata of a
+//! index [`Hash`](enum@Hash); one [`Set`] of it, whose step is the heart of all, and the 40 bits of metadata of a
 //! line ([`Entry`]); where the metadata of the sets lies ([`Metadata`]), in version A on the chip
 //! ([`OnChip`]); the [`Directory`], which decides what lies where; a set with contents ([`DataSet`]);
 //! version B, whose metadata lies behind a cache ([`CachedMetadata`]); the interface of every memory
