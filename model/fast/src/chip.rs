@@ -14,15 +14,15 @@ mod unit;
 mod wheel;
 
 pub use at_once::Caches;
-pub use first_level::first_level_lines;
 pub use observer::{Cache, ChipObserver, Found, Traffic};
 
 use crate::pci::Pci;
-use crate::sdram::{Sdram, Span};
+use crate::sdram::Sdram;
 use first_level::{FirstLevelState, LineInFlight, LinePart};
 use observer::bytes_of;
 use saarcor_model::time::{
-    ChipConfig, ConfigError, Direction, MAX_COUNT, Operation, Program, Programs, Stall, TimingReport, Version,
+    ChipConfig, ConfigError, Direction, MAX_COUNT, Operation, Program, Programs, Span, Stall, TimingReport,
+    Version,
 };
 use saarcor_model::vm::{HostAddr, LineAddr, Outcome, Unit};
 use std::collections::VecDeque;

@@ -1,7 +1,6 @@
 //! The bus to the host, each transfer in closed form. Twin of `saarcor_model::time::Pci`.
 
-use crate::sdram::Span;
-use saarcor_model::time::PciConfig;
+use saarcor_model::time::{PciConfig, Span};
 
 /// The bus: one transfer at a time, in the order in which they are asked for (PC-1).
 #[derive(Clone, Debug)]

@@ -2,16 +2,7 @@
 //! served in the order in which they come, so every time is known as soon as a request comes (SD-1 to
 //! SD-5).
 
-use saarcor_model::time::{Direction, SdramConfig};
-
-/// A time on a bus, in core cycles: from `begin` on and before `end`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Span {
-    /// First cycle.
-    pub begin: u64,
-    /// First cycle after it.
-    pub end: u64,
-}
+use saarcor_model::time::{Direction, SdramConfig, Span};
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Bank {
@@ -121,51 +112,6 @@ impl Sdram {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const QUIET: SdramConfig = SdramConfig { refresh_interval: 0, ..SdramConfig::STANDARD };
-
-    fn clocks(begin: u64, end: u64) -> Span {
-        Span { begin: 4 * begin, end: 4 * end }
-    }
-
-    #[test]
-    fn a_triangle_is_three_beats_wherever_it_lies() {
-        for triangle in 0..100 {
-            assert_eq!(QUIET.beats(triangle * 36, 36), 3);
-        }
-        assert_eq!(QUIET.beats(8, 8), 1);
-        assert_eq!(QUIET.beats(8, 36), 3);
-        assert_eq!(QUIET.beats(10, 8), 2);
-    }
-
-    #[test]
-    fn rows_are_opened_closed_and_kept_open() {
-        let mut sdram = Sdram::new(QUIET);
-        let mut read = |now: u64, addr| sdram.transfer(4 * now, addr, 16, Direction::Read);
-        assert_eq!(read(0, 0), clocks(6, 7), "tRCD + CL");
-        assert_eq!(read(10, 16), clocks(13, 14), "CL");
-        assert_eq!(read(20, 4 * 4096), clocks(29, 30), "tRP + tRCD + CL");
-        // The bank's row was opened at 23: the next at 32, after tRC.
-        assert_eq!(read(20, 0), clocks(38, 39));
-        // Another bank opens its row meanwhile.
-        assert_eq!(read(20, 4096), clocks(39, 40));
-    }
-
-    #[test]
-    fn data_follow_one_another_without_a_gap() {
-        let mut sdram = Sdram::new(QUIET);
-        assert_eq!(sdram.transfer(0, 0, 128, Direction::Write), clocks(3, 11));
-        assert_eq!(sdram.transfer(1, 0, 36, Direction::Read), clocks(11, 14));
-        assert_eq!(sdram.transfer(2, 4096 - 16, 32, Direction::Read), clocks(14, 16), "two rows");
-    }
-
-    #[test]
-    fn refresh_closes_all_rows() {
-        let mut sdram = Sdram::new(SdramConfig { refresh_interval: 100, ..QUIET });
-        assert_eq!(sdram.transfer(4 * 99, 0, 64, Direction::Read), clocks(105, 109));
-        // The refresh due at 100 begins at 109, and takes tRP + tRFC.
-        assert_eq!(sdram.transfer(4 * 101, 0, 16, Direction::Read), clocks(109 + 12 + 6, 109 + 12 + 7));
-    }
 
     /// Random reads of triangles saturate near 65 % of the peak, as Table 2's Cruiser does
     /// without virtual memory: 1.38 to 1.39 GB/s.

@@ -53,6 +53,6 @@ theorems! {
         cover!(s, "triangles", unit == Unit::Intersection);
         cover!(s, "kd-nodes", unit == Unit::Traversal);
         let expected = if unit == Unit::Intersection { triangles } else { 0 };
-        check_eq!(programs.first_level_base(unit), expected, "{unit:?}, triangles from {triangles} on");
+        check_eq!(programs.first_level_base(unit).0, expected, "{unit:?}, triangles from {triangles} on");
     }
 }

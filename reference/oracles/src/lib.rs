@@ -23,7 +23,6 @@
 //! | [`cache::NaiveCache`] | hits, misses, ways, victims and counters |
 //! | [`cache::NaiveVirtualMemory`] | which bytes a unit receives, and as of when |
 //! | [`metadata::NaiveTags`] | the metadata of version B, and what of it moves |
-//! | [`chip::naive_simulate`] | the chip in time |
 //! | [`search::closest_hit`] | kd-tree traversal |
 //! | [`exact::judge`], [`exact::closest`] | triangle tests, and what a ray hits first |
 //! | [`embree`] | answers of the model, by Embree |
@@ -31,7 +30,6 @@
 
 pub mod bvh;
 pub mod cache;
-pub mod chip;
 pub mod embree;
 pub mod exact;
 pub mod flat;

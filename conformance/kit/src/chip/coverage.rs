@@ -8,8 +8,9 @@ use crate::coverage::{Coverage, CoverageCount};
 use crate::kind::Oracle;
 use crate::session::Session;
 use saarcor_fast::chip::{ChipObserver, Traffic};
-use saarcor_fast::sdram::Span;
-use saarcor_model::time::{CacheReport, ChipConfig, Direction, Operation, Stall, TimingReport, Version};
+use saarcor_model::time::{
+    CacheReport, ChipConfig, Direction, Operation, Span, Stall, TimingReport, Version,
+};
 use std::collections::BTreeSet;
 
 /// What look-ups find: the line, the line in flight, nothing.

@@ -20,7 +20,7 @@ use crate::suites;
 use oracle::ChipOracle;
 use request::Request;
 use saarcor_fast::chip::{ChipObserver, Traffic};
-use saarcor_fast::sdram::Span;
+use saarcor_model::time::Span;
 use std::borrow::Cow;
 
 /// The kind `saarcor-chip`.

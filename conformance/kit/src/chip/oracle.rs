@@ -1,4 +1,4 @@
-//! The model and the naive stepping as implementations.
+//! The chip between events and the specification's chip as implementations.
 
 use super::config::{self, Setting};
 use super::request::{Request, push_answer};
@@ -6,8 +6,7 @@ use crate::error::Error;
 use crate::implementation::Implementation;
 use crate::kind::Oracle;
 use saarcor_fast::chip::{ChipObserver, simulate_observed};
-use saarcor_model::time::{Programs, TimingReport};
-use saarcor_oracles::chip::naive_simulate;
+use saarcor_model::time::{Programs, TimingReport, simulate};
 
 /// An oracle with the packets of the requests so far.
 #[derive(Clone, Debug)]
@@ -43,7 +42,7 @@ impl ChipOracle {
         }
     }
 
-    /// Plays the packets on the model.
+    /// Plays the packets on the chip between events.
     pub fn play(&self, observer: &mut impl ChipObserver) -> TimingReport {
         let before = std::slice::from_ref(&self.before);
         let report = simulate_observed(before, &self.programs, &self.setting.chip, observer);
@@ -67,7 +66,9 @@ impl Implementation for ChipOracle {
         let report = match self.oracle {
             Oracle::Model => self.play(&mut ()),
             Oracle::Naive => {
-                naive_simulate(std::slice::from_ref(&self.before), &self.programs, &self.setting.chip)
+                let before = std::slice::from_ref(&self.before);
+                let report = simulate(before, &self.programs, &self.setting.chip);
+                report.expect("the configuration was checked when it was read")
             }
         };
         push_answer(answer, &report);

@@ -3,9 +3,8 @@
 use super::tags::{Tags, WhereOnCard};
 use super::{Cache, Chip, ChipObserver, Found, Traffic};
 use crate::first_level;
-use crate::sdram::Span;
 use saarcor_model::time::standard::CHIP_CACHE_WAYS;
-use saarcor_model::time::{ChipConfig, ConfigError, Direction, Operation, Programs};
+use saarcor_model::time::{ChipConfig, ConfigError, Direction, Operation, Programs, Span};
 use saarcor_model::vm::{FirstLevel, HostAddr, LineAddr, Outcome};
 
 /// The first-level caches and the virtual memory of a chip on which nothing is in work.

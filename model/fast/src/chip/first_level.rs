@@ -4,7 +4,7 @@ use super::{NOBODY, NONE, members, round_robin};
 use crate::first_level::first_and_last_line;
 use saarcor_model::time::standard::CHIP_CACHE_WAYS;
 use saarcor_model::time::{CacheReport, ChipConfig, Operation, Programs};
-use saarcor_model::vm::{FirstLevel, HostAddr, Policy, Unit};
+use saarcor_model::vm::{FirstLevel, Policy, Unit};
 use std::collections::VecDeque;
 
 /// A first-level cache, the threads that ask it (a mask a pipeline), and its lines in flight.
@@ -31,14 +31,6 @@ pub(super) struct FirstLevelState {
 /// Buckets of the counting filter over the lines in flight: enough that of 16 lines in flight few
 /// share a bucket with a line that is looked up.
 const BUCKETS: usize = 256;
-
-/// The first and the last of the first-level lines that an operation reads, which are `line` bytes long
-/// and begin at `base`. Without meaning where nothing is read.
-#[must_use]
-#[inline]
-pub fn first_level_lines(operation: &Operation, base: u32, line: u32) -> (u32, u32) {
-    first_and_last_line(HostAddr(base), line, operation.addr, operation.bytes)
-}
 
 /// A first-level line in flight.
 #[derive(Clone, Copy)]
@@ -75,7 +67,7 @@ impl FirstLevelState {
         let l1 = config.l1[port as usize];
         Self {
             cache: FirstLevel::<CHIP_CACHE_WAYS, ()>::new(
-                HostAddr(programs.first_level_base(port)),
+                programs.first_level_base(port),
                 l1.line,
                 l1.sets as usize,
                 Policy::Lru,

@@ -1,7 +1,6 @@
 //! What an observer of a run of the chip sees.
 
-use crate::sdram::Span;
-use saarcor_model::time::{Direction, TimingReport};
+use saarcor_model::time::{Direction, Span, TimingReport};
 
 /// What bytes move for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,5 +1,6 @@
-//! The chip in time (§2 to §4).
+//! The chip in time (§2 to §4): what a picture takes, in cycles and bytes.
 
+mod chip;
 mod config;
 mod operation;
 mod pci;
@@ -7,6 +8,7 @@ mod report;
 mod sdram;
 pub mod standard;
 
+pub use chip::simulate;
 pub use config::*;
 pub use operation::*;
 pub use pci::*;

@@ -37,8 +37,8 @@ pub struct Programs {
 impl Programs {
     /// Where the lines of a first-level cache begin (L1-1).
     #[must_use]
-    pub fn first_level_base(&self, unit: Unit) -> u32 {
-        if unit == Unit::Intersection { self.triangles.0 } else { 0 }
+    pub fn first_level_base(&self, unit: Unit) -> HostAddr {
+        if unit == Unit::Intersection { self.triangles } else { HostAddr(0) }
     }
 
     /// All operations, packet after packet.

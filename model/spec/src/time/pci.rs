@@ -1,6 +1,8 @@
 //! The bus to the host (§4) in time.
 
+use super::sdram::Span;
 use super::standard;
+use std::collections::VecDeque;
 
 /// Times of the bus, in core cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,5 +43,62 @@ impl PciConfig {
     pub fn cycles(&self, bytes: u64) -> u64 {
         let beats = bytes.div_ceil(u64::from(self.beat_bytes));
         u64::from(self.setup) + beats * u64::from(self.cycles_a_beat)
+    }
+}
+
+/// The bus: one transfer at a time, in the order of the requests (PC-1).
+#[derive(Clone, Debug)]
+pub struct Pci {
+    config: PciConfig,
+    /// Bytes of the transfers that have not begun, in order.
+    waiting: VecDeque<u64>,
+    /// The cycle in which the transfer on the bus has arrived.
+    arrival: Option<u64>,
+}
+
+impl Pci {
+    /// The bus before its first transfer.
+    #[must_use]
+    pub fn new(config: PciConfig) -> Self {
+        Self { config, waiting: VecDeque::new(), arrival: None }
+    }
+
+    /// A transfer of `bytes` is asked for.
+    pub fn request(&mut self, bytes: u64) {
+        self.waiting.push_back(bytes);
+    }
+
+    /// Begins the next transfer, if there is one and the bus is free: when it is on the bus.
+    pub fn start(&mut self, now: u64) -> Option<Span> {
+        if self.arrival.is_some() {
+            return None;
+        }
+        let end = now + self.config.cycles(self.waiting.pop_front()?);
+        self.arrival = Some(end);
+        Some(Span { begin: now, end })
+    }
+
+    /// Whether the transfer on the bus arrives in this cycle; the bus is free again then.
+    pub fn has_arrived(&mut self, now: u64) -> bool {
+        self.arrival.take_if(|arrival| *arrival == now).is_some()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_transfer_at_a_time() {
+        let mut pci = Pci::new(PciConfig::BITS_32_AT_33_MHZ);
+        pci.request(128);
+        pci.request(4);
+        assert_eq!(pci.start(10), Some(Span { begin: 10, end: 560 }));
+        assert_eq!(pci.start(11), None);
+        assert!(!pci.has_arrived(559));
+        assert!(pci.has_arrived(560));
+        assert_eq!(pci.start(560), Some(Span { begin: 560, end: 614 }));
+        assert!(pci.has_arrived(614));
+        assert_eq!(pci.start(614), None);
     }
 }

@@ -16,7 +16,7 @@ use super::estimate::Estimate;
 use super::plan::Plan;
 use super::trace::{SHRINK, Standing, Traced};
 use rayon::prelude::*;
-use saarcor_fast::chip::first_level_lines;
+use saarcor_fast::first_level::first_and_last_line;
 use saarcor_model::time::{ChipConfig, Operation, Programs};
 use std::collections::BTreeMap;
 
@@ -138,8 +138,12 @@ fn lines(packets: &[&[Operation]], config: &ChipConfig, programs: &Programs) -> 
     let mut lines: [Vec<u32>; 4] = Default::default();
     for operation in packets.iter().copied().flatten().filter(|operation| operation.bytes > 0) {
         let cache = operation.unit as usize;
-        let (first, last) =
-            first_level_lines(operation, programs.first_level_base(operation.unit), config.l1[cache].line);
+        let (first, last) = first_and_last_line(
+            programs.first_level_base(operation.unit),
+            config.l1[cache].line,
+            operation.addr,
+            operation.bytes,
+        );
         lines[cache].extend(first..=last);
     }
     lines.iter_mut().for_each(|lines| {

@@ -11,8 +11,7 @@ use crate::simulate::{TimingRow, record, record_before};
 use crate::trace::{PacketOrder, TraceOptions};
 use crate::world::World;
 use saarcor_fast::chip::{Cache, Caches, ChipObserver, Found, Traffic, simulate, simulate_part};
-use saarcor_fast::sdram::Span;
-use saarcor_model::time::{CacheReport, ChipConfig, Operation, UNIT_NAMES, Version};
+use saarcor_model::time::{CacheReport, ChipConfig, Operation, Span, UNIT_NAMES, Version};
 
 /// A frame, what is done before it, and how it is sampled.
 #[derive(Clone, Copy, Debug)]

@@ -1,0 +1,233 @@
+//! The chip between events: what limits it, what an observer sees of it, and runs of a part of its
+//! packets. That it is the specification's chip is for `saarcor-proofs` to show.
+
+use saarcor_fast::chip::{
+    Cache, Caches, ChipObserver, Found, Traffic, simulate, simulate_observed, simulate_part,
+};
+use saarcor_model::time::{
+    CacheReport, ChipConfig, Operation, PciConfig, Program, Programs, Span, TimingReport, UNIT_NAMES, Version,
+};
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr, Policy, Unit};
+
+fn cache(memory: u64, line: u64, ways: u32) -> CacheConfig {
+    let geometry = Geometry::new(Bytes(memory), Bytes(line), ways).expect("legal");
+    CacheConfig { geometry, hash: Hash::default(), policy: Policy::default() }
+}
+
+fn standard(version: Version) -> ChipConfig {
+    ChipConfig::standard(version, cache(8 << 20, 128, 4))
+}
+
+fn operation(unit: Unit, addr: u32, bytes: u16, rays: u8) -> Operation {
+    Operation { addr: HostAddr(addr), bytes, rays, unit }
+}
+
+/// Numbers that look random: Knuth's linear congruential generator (MMIX).
+fn numbers(seed: u64) -> impl FnMut(u64) -> u64 {
+    let mut state = seed;
+    move |below| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % below
+    }
+}
+
+#[track_caller]
+fn sums_hold(report: &TimingReport, config: &ChipConfig) {
+    for (unit, name) in report.units.iter().zip(UNIT_NAMES) {
+        let all = unit.busy + unit.stalled() + unit.idle;
+        assert_eq!(all, report.cycles * u64::from(config.pipelines), "{name}");
+    }
+    assert_eq!(report.pci_bytes, report.l2.misses * config.cache.geometry.line().0);
+    if config.version == Version::None {
+        assert_eq!(report.pci_bytes, 0);
+    }
+}
+
+/// Packets of random reads all over 64 MB: nearly nothing is in a cache.
+fn scattered(packets: usize, reads: usize, unit: Unit, item: u32) -> Programs {
+    let mut number = numbers(2);
+    let mut read = || operation(unit, item * number((64 << 20) / u64::from(item)) as u32, item as u16, 1);
+    let packet = |_| (0..reads).map(|_| read()).collect();
+    Programs { packets: (0..packets).map(packet).collect(), triangles: HostAddr(0) }
+}
+
+/// Every transfer, in the order of its bus.
+#[derive(Default)]
+struct Transfers {
+    pci: Vec<(Span, u64)>,
+    memory: Vec<(Span, u64)>,
+}
+
+impl ChipObserver for Transfers {
+    fn transfer(&mut self, _: u32, traffic: Traffic, span: Span, bytes: u64) {
+        let bus = if traffic == Traffic::Pci { &mut self.pci } else { &mut self.memory };
+        bus.push((span, bytes));
+    }
+}
+
+/// Bytes of the busiest window of so many cycles: one that begins with a transfer, or ends with
+/// one. A transfer's bytes move evenly from its begin to its end.
+fn busiest(transfers: &[(Span, u64)], window: u64) -> f64 {
+    let within = |from: u64, to: u64| {
+        let first = transfers.partition_point(|(span, _)| span.end <= from);
+        let met = transfers[first..].iter().take_while(|(span, _)| span.begin < to);
+        let part = |(span, bytes): &(Span, u64)| {
+            let overlap = span.end.min(to) - span.begin.max(from);
+            *bytes as f64 * overlap as f64 / (span.end - span.begin) as f64
+        };
+        met.map(part).sum::<f64>()
+    };
+    let windows = transfers.iter().flat_map(|(span, _)| {
+        [within(span.begin, span.begin + window), within(span.end.saturating_sub(window), span.end)]
+    });
+    windows.fold(0.0, f64::max)
+}
+
+/// What packets do, summed up.
+#[derive(Default)]
+struct Sums {
+    l1: [CacheReport; 4],
+    l2: CacheReport,
+    bytes: u64,
+    begun: Vec<u32>,
+}
+
+impl ChipObserver for Sums {
+    fn transfer(&mut self, _: u32, traffic: Traffic, _: Span, bytes: u64) {
+        self.bytes += if traffic == Traffic::Pci { 0 } else { bytes };
+    }
+
+    fn look_up(&mut self, _: u32, cache: Cache, found: Found) {
+        let report = match cache {
+            Cache::L1(unit) => &mut self.l1[unit],
+            Cache::L2 => &mut self.l2,
+        };
+        report.accesses += 1;
+        report.merged += u64::from(found == Found::InFlight);
+        report.misses += u64::from(found == Found::Missing);
+    }
+
+    fn begin(&mut self, packet: u32, _: u64) {
+        self.begun.push(packet);
+    }
+}
+
+/// Packets whose bytes are in the first-level caches after a moment: the busiest unit decides.
+#[test]
+fn unlimited_memory_leaves_the_busiest_unit() {
+    let mut number = numbers(1);
+    let mut packets = Vec::new();
+    for _ in 0..4000 {
+        let steps = (0..40).flat_map(|_| {
+            let rays = 33 + number(32) as u8;
+            let node = operation(Unit::Traversal, 8 * number(64) as u32, 8, rays);
+            let triangle = operation(Unit::Intersection, 36 * number(64) as u32, 36, rays / 5);
+            [node, triangle]
+        });
+        packets.push(steps.collect::<Program>());
+    }
+    let programs = Programs { packets, triangles: HostAddr(0) };
+    let config = standard(Version::A);
+    let report = simulate(&[], &programs, &config).expect("a chip");
+    let work = report.units.map(|unit| unit.busy).into_iter().max().expect("four units");
+    let least = work / u64::from(config.pipelines);
+    assert!(
+        (least..least + least / 50).contains(&report.cycles),
+        "{} cycles, {least} of work",
+        report.cycles
+    );
+    sums_hold(&report, &config);
+}
+
+#[test]
+fn no_window_exceeds_a_bus() {
+    let programs = scattered(64, 40, Unit::Intersection, 36);
+    for (version, pci, pci_peak) in [
+        (Version::A, PciConfig::BITS_32_AT_33_MHZ, 124.1e6),
+        (Version::B, PciConfig::BITS_64_AT_66_MHZ, 411.0e6),
+        (Version::None, PciConfig::BITS_32_AT_33_MHZ, 1.0),
+    ] {
+        let config = ChipConfig { pci, ..standard(version) };
+        let mut transfers = Transfers::default();
+        let report = simulate_observed(&[], &programs, &config, &mut transfers).expect("a chip");
+        let rate = |bytes: f64, cycles: f64| bytes / cycles * config.core_hz as f64;
+        assert!(rate(busiest(&transfers.pci, 10_000), 10_000.0) < pci_peak, "{version:?}");
+        assert!(rate(busiest(&transfers.memory, 10_000), 10_000.0) <= 2.133e9, "{version:?}");
+        let moved = |transfers: &[(Span, u64)]| transfers.iter().map(|transfer| transfer.1).sum::<u64>();
+        assert_eq!(moved(&transfers.pci), report.pci_bytes);
+        assert_eq!(moved(&transfers.memory), report.memory_bytes());
+        // A miss of almost every access: the bus to the host is what limits.
+        if version == Version::A {
+            assert!(rate(report.pci_bytes as f64, report.cycles as f64) > 0.98 * 124.0e6);
+        }
+        sums_hold(&report, &config);
+    }
+}
+
+#[test]
+fn what_packets_do_adds_up_to_the_report() {
+    let programs = scattered(90, 40, Unit::Intersection, 36);
+    for version in [Version::None, Version::A, Version::B] {
+        let config = standard(version);
+        let mut sums = Sums::default();
+        let report = simulate_observed(&[], &programs, &config, &mut sums).expect("a chip");
+        assert_eq!((sums.l1, sums.l2), (report.l1, report.l2));
+        assert_eq!(sums.bytes, report.memory_bytes());
+        assert_eq!(sums.begun, (0..90).collect::<Vec<_>>());
+    }
+}
+
+fn empty(config: &ChipConfig) -> Caches {
+    Caches::after(&[], HostAddr(0), config).expect("a chip")
+}
+
+#[test]
+fn packets_out_of_time_only_warm_the_caches() {
+    let programs = scattered(90, 40, Unit::Intersection, 36);
+    for version in [Version::None, Version::A, Version::B] {
+        let config = standard(version);
+        let run = |in_time: &[bool]| {
+            let mut sums = Sums::default();
+            let report = simulate_part(empty(&config), &programs, in_time, &mut sums);
+            (report, sums.begun)
+        };
+        let last_50: Vec<_> = (0..90).map(|packet| packet >= 40).collect();
+        let part = |packets: std::ops::Range<usize>| Programs {
+            packets: programs.packets[packets].to_vec(),
+            triangles: programs.triangles,
+        };
+        let (begin, end) = (part(0..40), part(40..90));
+        let (report, begun) = run(&last_50);
+        assert_eq!(report, simulate(&[begin], &end, &config).expect("a chip"));
+        assert_eq!(begun, (40..90).collect::<Vec<_>>());
+        assert_eq!(run(&[false; 90]), (TimingReport::default(), Vec::new()));
+    }
+}
+
+/// With one thread the order of look-ups is that of the packets, in time or not; only what is in
+/// flight differs, and a single thread has nothing in flight.
+#[test]
+fn look_ups_without_time_are_those_of_one_thread() {
+    let programs = scattered(20, 40, Unit::Intersection, 36);
+    for version in [Version::None, Version::A, Version::B] {
+        let config = ChipConfig { pipelines: 1, threads: 1, ..standard(version) };
+        let mut sums = Sums::default();
+        let _ = simulate_part(empty(&config), &programs, &[false; 20], &mut sums);
+        let report = simulate(&[], &programs, &config).expect("a chip");
+        assert_eq!(sums.l1, report.l1);
+        assert_eq!(
+            (sums.l2.accesses, sums.l2.misses),
+            (report.l2.accesses, report.l2.misses + report.l2.merged)
+        );
+        assert_eq!(sums.bytes + report.vm_fill_bytes, report.memory_bytes());
+    }
+}
+
+/// The whole chip without virtual memory meets the plateau of its memory chips.
+#[test]
+fn random_triangles_saturate_the_memory() {
+    let config = standard(Version::None);
+    let report = simulate(&[], &scattered(500, 100, Unit::Intersection, 36), &config).expect("a chip");
+    let part = (report.memory_bytes() / 4) as f64 / report.cycles as f64;
+    assert!((0.55..0.75).contains(&part), "{part} of the peak");
+}

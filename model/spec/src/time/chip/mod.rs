@@ -1,0 +1,287 @@
+//! The chip in time, cycle by cycle (CH-1 to CH-20).
+//!
+//! In each cycle all parts of the chip are asked, in the eight phases of CH-5, what they do. A phase
+//! sees what earlier phases of the same cycle did.
+
+mod bus_manager;
+mod first_level;
+mod stalls;
+mod tags;
+mod thread;
+mod turn;
+
+use super::config::{ChipConfig, ConfigError};
+use super::operation::{Operation, Programs};
+use super::pci::Pci;
+use super::report::TimingReport;
+use super::sdram::Sdram;
+use crate::vm::{Outcome, Unit};
+use bus_manager::{HostLine, PendingTag, WaitingPart};
+use first_level::{Answer, FirstLevelInTime};
+use std::collections::VecDeque;
+use tags::{Tags, tags};
+use thread::{State, Thread};
+use turn::Turn;
+
+/// Plays `programs` on the chip. Its caches hold what the pictures `before` left in them (CH-19);
+/// without any, they are empty.
+///
+/// # Errors
+/// If the configuration makes no chip.
+pub fn simulate(
+    before: &[Programs],
+    programs: &Programs,
+    config: &ChipConfig,
+) -> Result<TimingReport, ConfigError> {
+    config.check()?;
+    let mut chip = Chip::new(programs, config);
+    for operation in before.iter().flat_map(Programs::in_order) {
+        chip.warm(operation);
+    }
+    while !chip.cycle() {}
+    Ok(chip.report())
+}
+
+/// A functional unit of a pipeline.
+struct FunctionalUnit {
+    /// The threads of its pipeline, in turn.
+    turn: Turn,
+    /// First cycle in which it can take rays.
+    free: u64,
+}
+
+/// A chip at work on a picture.
+///
+/// Threads and units have one number each: thread `t` of pipeline `p` is `p × threads + t`, and the unit
+/// of type `u` in pipeline `p` is `4 p + u`. First-level caches have the numbers of their units' types.
+struct Chip<'a> {
+    config: &'a ChipConfig,
+    now: u64,
+    /// Packets that are not handed out yet.
+    packets: VecDeque<&'a [Operation]>,
+    /// Pipelines that get a packet, in turn.
+    pipelines: Turn,
+    threads: Vec<Thread<'a>>,
+    units: Vec<FunctionalUnit>,
+    first_level: [FirstLevelInTime; 4],
+    /// First-level caches from which the bus manager takes a part, in turn.
+    caches: Turn,
+    tags: Box<dyn Tags>,
+    /// Parts whose tags are looked up, in order.
+    pending: VecDeque<PendingTag>,
+    /// Lines that come from the host, in order.
+    from_host: VecDeque<HostLine>,
+    /// Parts of lines that come from the host, in the order of their tags.
+    waiting: Vec<WaitingPart>,
+    pci: Pci,
+    sdram: Sdram,
+    report: TimingReport,
+}
+
+impl<'a> Chip<'a> {
+    /// The chip before the first cycle, with empty caches.
+    fn new(programs: &'a Programs, config: &'a ChipConfig) -> Self {
+        let (pipelines, threads) = (config.pipelines as usize, config.threads as usize);
+        let unit = || FunctionalUnit { turn: Turn::new(), free: 0 };
+        Self {
+            config,
+            now: 0,
+            packets: programs.packets.iter().map(|packet| &**packet).collect(),
+            pipelines: Turn::new(),
+            threads: vec![Thread::FREE; pipelines * threads],
+            units: std::iter::repeat_with(unit).take(4 * pipelines).collect(),
+            first_level: Unit::ALL.map(|unit| {
+                FirstLevelInTime::new(programs.first_level_base(unit), config.l1[unit as usize], pipelines)
+            }),
+            caches: Turn::new(),
+            tags: tags(config),
+            pending: VecDeque::new(),
+            from_host: VecDeque::new(),
+            waiting: Vec::new(),
+            pci: Pci::new(config.pci),
+            sdram: Sdram::new(config.sdram),
+            report: TimingReport::default(),
+        }
+    }
+
+    /// What an operation of an earlier picture leaves in the caches (CH-19).
+    fn warm(&mut self, operation: &Operation) {
+        let cache = operation.unit as usize;
+        for line in self.first_level[cache].lines_of(operation) {
+            if let Outcome::Miss { .. } = self.first_level[cache].cache.access(line, || ()) {
+                for part in self.parts_of(cache, line) {
+                    self.tags.locate(part.addr);
+                }
+            }
+        }
+    }
+
+    /// One cycle (CH-5). Whether all packets ended in it or before (CH-20).
+    fn cycle(&mut self) -> bool {
+        self.sdram.begin_cycle(self.now);
+        self.phase_1_units_and_caches_answer();
+        self.phase_2_lines_arrive_from_memory();
+        self.phase_3_a_line_arrives_from_the_host();
+        self.phase_4_tags_are_acted_upon();
+        self.phase_5_a_packet_is_handed_out();
+        if self.packets.is_empty() && self.threads.iter().all(|thread| thread.state == State::Free) {
+            return true;
+        }
+        self.phase_6_units_start();
+        self.phase_7_first_level_look_ups();
+        self.phase_8_the_bus_manager_takes_a_part();
+        self.account();
+        self.sdram.end_cycle(self.now);
+        self.now += 1;
+        false
+    }
+
+    fn report(mut self) -> TimingReport {
+        self.report.cycles = self.now;
+        self.report.l1 = self.first_level.map(|first_level| first_level.report);
+        self.report
+    }
+
+    fn phase_1_units_and_caches_answer(&mut self) {
+        for thread in 0..self.threads.len() {
+            match self.threads[thread].state {
+                State::Works { done } if done == self.now => self.end_operation(thread),
+                State::LooksUp { answer } if answer == self.now => self.line_is_there(thread),
+                _ => {}
+            }
+        }
+    }
+
+    /// CH-10, CH-11, CH-16.
+    fn phase_2_lines_arrive_from_memory(&mut self) {
+        for cache in 0..4 {
+            let arrived = self.take_arrived_lines(cache);
+            for &thread in arrived.iter().flat_map(|line| &line.threads) {
+                self.line_is_there(thread);
+            }
+            for _ in arrived {
+                self.first_of_queue_asks_again(cache);
+            }
+        }
+    }
+
+    /// CH-4.
+    fn phase_5_a_packet_is_handed_out(&mut self) {
+        let is_free = |&thread: &usize| self.threads[thread].state == State::Free;
+        let free: Vec<usize> = (0..self.threads.len()).filter(is_free).collect();
+        if self.packets.is_empty() || free.is_empty() {
+            return;
+        }
+        let pipeline_of = |&thread: &usize| thread / self.config.threads as usize;
+        let pipelines: Vec<usize> = free.iter().map(pipeline_of).collect();
+        let pipeline = self.pipelines.next(&pipelines);
+        let thread = free.into_iter().find(|thread| pipeline_of(thread) == pipeline);
+        if let (Some(thread), Some(packet)) = (thread, self.packets.pop_front()) {
+            self.threads[thread].program = packet;
+            self.begin_operation(thread);
+        }
+    }
+
+    /// CH-6.
+    fn phase_6_units_start(&mut self) {
+        for place in 0..self.units.len() {
+            let (pipeline, kind) = (place / 4, place % 4);
+            let is_ready = |&thread: &usize| {
+                let thread = &self.threads[thread];
+                thread.state == State::Ready && thread.works_for(kind)
+            };
+            let ready: Vec<usize> = self.threads_of(pipeline).filter(is_ready).collect();
+            if ready.is_empty() || self.units[place].free > self.now {
+                continue;
+            }
+            let thread = self.units[place].turn.next(&ready);
+            let rays = self.threads[thread].program[0].rays;
+            let unit = self.config.units[kind];
+            self.units[place].free = self.now + u64::from(unit.cycles(rays.into()));
+            let done = self.units[place].free + u64::from(unit.latency);
+            self.threads[thread].state = State::Works { done };
+            self.report.units[kind].operations += 1;
+            self.report.units[kind].rays += u64::from(rays);
+        }
+    }
+
+    /// CH-8.
+    fn phase_7_first_level_look_ups(&mut self) {
+        for cache in 0..4 {
+            for _ in 0..self.config.l1[cache].ports {
+                let asks = |&thread: &usize| {
+                    let thread = &self.threads[thread];
+                    thread.state == State::Asks && thread.works_for(cache)
+                };
+                let asking: Vec<usize> = (0..self.threads.len()).filter(asks).collect();
+                if asking.is_empty() {
+                    break;
+                }
+                let thread = self.first_level[cache].in_turn(&asking, self.config.threads as usize);
+                self.look_up(cache, thread);
+                if !self.first_level[cache].is_full() {
+                    self.first_of_queue_asks_again(cache);
+                }
+            }
+        }
+    }
+
+    /// A thread's look-up (CH-9 to CH-12).
+    fn look_up(&mut self, cache: usize, thread: usize) {
+        let line = self.threads[thread].lines[0];
+        self.threads[thread].state = match self.first_level[cache].look_up(line, thread) {
+            Answer::NoRegister => State::Queued,
+            Answer::InFlight => State::Waits,
+            Answer::Resident => {
+                State::LooksUp { answer: self.now + u64::from(self.config.l1[cache].latency) }
+            }
+            Answer::Missing => {
+                let parts = self.parts_of(cache, line);
+                self.first_level[cache].fetch(line, thread, parts);
+                State::Waits
+            }
+        };
+    }
+
+    /// CH-11.
+    fn first_of_queue_asks_again(&mut self, cache: usize) {
+        if let Some(thread) = self.first_level[cache].queue.pop_front() {
+            self.threads[thread].state = State::Asks;
+        }
+    }
+
+    /// The threads of a pipeline.
+    fn threads_of(&self, pipeline: usize) -> std::ops::Range<usize> {
+        let threads = self.config.threads as usize;
+        pipeline * threads..(pipeline + 1) * threads
+    }
+
+    /// A thread begins its next operation, or is free (CH-7).
+    fn begin_operation(&mut self, thread: usize) {
+        let Some(operation) = self.threads[thread].program.first() else {
+            self.threads[thread].state = State::Free;
+            return;
+        };
+        self.threads[thread].lines = self.first_level[operation.unit as usize].lines_of(operation).collect();
+        self.threads[thread].state = if operation.bytes == 0 { State::Ready } else { State::Asks };
+    }
+
+    /// The line that a thread asked for is there (CH-7).
+    fn line_is_there(&mut self, number: usize) {
+        let thread = &mut self.threads[number];
+        thread.lines.pop_front();
+        if !thread.lines.is_empty() {
+            thread.state = State::Asks;
+        } else if thread.program[0].rays > 0 {
+            thread.state = State::Ready;
+        } else {
+            self.end_operation(number);
+        }
+    }
+
+    /// A thread's operation ends, and the next one begins in the same cycle (CH-7).
+    fn end_operation(&mut self, thread: usize) {
+        self.threads[thread].program = &self.threads[thread].program[1..];
+        self.begin_operation(thread);
+    }
+}
