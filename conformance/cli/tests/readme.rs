@@ -230,3 +230,41 @@ fn links_lead_somewhere() {
         }
     }
 }
+
+/// The last column of SPEC.md's tables names files of the specification.
+#[test]
+fn requirements_name_files_that_exist() {
+    let specification = read("model/SPEC.md");
+    let sources = root().join("model/spec/src");
+    let mut named = 0;
+    let rows = specification.lines().filter(|line| line.starts_with("| ") && line.ends_with("` |"));
+    for row in rows.filter(|row| row.matches(" | ").count() == 3) {
+        let files = row.rsplit(" | ").next().expect("a column").trim_end_matches(" |");
+        for file in files.split(", ").map(|file| file.trim_matches('`')) {
+            let exists = sources.join(format!("{file}.rs")).exists() || sources.join(file).is_dir();
+            assert!(exists, "{file}: {row}");
+            named += 1;
+        }
+    }
+    assert!(named > 70, "{named} files are named");
+}
+
+/// The examples that the README names are there.
+#[test]
+fn examples_exist() {
+    let readme = read("README.md");
+    let all: Vec<_> = ["model", "reference", "conformance"]
+        .iter()
+        .flat_map(|folder| fs::read_dir(root().join(folder)).expect("a folder"))
+        .map(|entry| entry.expect("an entry").path().join("examples"))
+        .collect();
+    let names: Vec<_> =
+        readme.split("--example ").skip(1).filter_map(|rest| rest.split('`').next()).collect();
+    assert!(names.len() >= 4);
+    for name in names {
+        assert!(
+            all.iter().any(|folder| folder.join(format!("{name}.rs")).exists()),
+            "there is no example {name}"
+        );
+    }
+}

@@ -1,4 +1,4 @@
-//! One conversation with the model: requests, answers, and the verdict.
+//! A conformance session, traced: `cargo run -p saarcor-kit --example traced_session`.
 
 use saarcor_kit::error::Error;
 use saarcor_kit::kind::{Kind, Oracle};
@@ -10,25 +10,18 @@ use saarcor_kit::server::serve;
 fn main() -> Result<(), Error> {
     let (kind, sessions) = sessions_named("vm/lru-victim", 0)?;
     let session = &sessions[0];
-    println!(
-        "{} is about {}: {}",
-        session.name,
-        session.requirement.as_deref().unwrap_or("all"),
-        session.idea
-    );
+    println!("{}: {}", session.name, session.idea);
 
     // The protocol around an implementation in process; yours takes the model's place.
     let model = |kind: &dyn Kind, config: &str| kind.oracle(Oracle::Model, config);
     let mut answers = Vec::new();
     serve(&model, session.text(), &mut answers).expect("memory can be written");
 
-    let (requests, lines) = (String::from_utf8_lossy(session.text()), String::from_utf8_lossy(&answers));
-    for (request, answer) in requests.lines().filter(|line| !line.starts_with('#')).zip(lines.lines()) {
+    let (requests, answered) = (String::from_utf8_lossy(session.text()), String::from_utf8_lossy(&answers));
+    for (request, answer) in requests.lines().filter(|line| !line.starts_with('#')).zip(answered.lines()) {
         println!("-> {request:<56} <- {answer}");
     }
-
     let checked = check_answers(kind, session, &answers, Level::HIGHEST);
-    println!("{} answers, {} differences", checked.answered, checked.findings.len());
     println!("agrees up to level {}", checked.highest.map_or("none", Level::name));
     Ok(())
 }
