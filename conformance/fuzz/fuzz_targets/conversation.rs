@@ -5,10 +5,10 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use saarcor_kit::kinds::KINDS;
-use saarcor_kit::scoreboard::check_answers;
 use saarcor_kit::kind::{Kind, Oracle};
+use saarcor_kit::kinds::KINDS;
 use saarcor_kit::level::Level;
+use saarcor_kit::scoreboard::check_answers;
 use saarcor_kit::server::serve;
 use saarcor_kit::session::Session;
 

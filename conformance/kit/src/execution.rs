@@ -17,8 +17,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::{ScopedJoinHandle, scope};
 use std::time::{Duration, Instant};
 
-/// Sessions between two looks at the number of errors. It does not depend on the threads, and so
-/// neither does the report.
+/// Sessions between two checks of the number of errors. It does not depend on the number of threads, and so the
+/// report does not either.
 const BATCH: usize = 16;
 /// Time for sessions that began together with one that reached its time limit, and then for shrinking:
 /// far less than the two seconds in which a verdict is due.

@@ -7,7 +7,7 @@ use crate::kind::Kind;
 use crate::meta::Meta;
 use crate::vm::Vm;
 
-/// All kinds, in the order in which an implementation is asked for them.
+/// All kinds, in the order in which their hellos are tried.
 pub const KINDS: &[&dyn Kind] = &[&Vm, &SetHash, &Meta, &Kd, &Chip];
 
 /// The kind of a name such as `saarcor-vm`.

@@ -5,7 +5,7 @@
 //! model's, names the highest [`level::Level`] at which all agree, and shrinks what fails to the shortest
 //! requests that still do.
 //!
-//! Judge an implementation in process, here a hash that forgets the upper bits of a line:
+//! Judge an implementation in process, here a hash that leaves out the upper bits of a line:
 //!
 //! ```
 //! use saarcor_kit::dut::InProcess;

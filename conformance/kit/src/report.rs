@@ -16,11 +16,11 @@ pub struct ConformanceReport {
     pub dut: String,
     /// Its kind.
     pub kind: String,
-    /// What it comes to.
+    /// The verdict.
     pub verdict: ConformanceVerdict,
     /// The highest level that was passed, with all below it.
     pub highest: Option<Level>,
-    /// The level that was asked for; none: all that is observed.
+    /// The level that the run was to judge; none: all that is observed.
     pub asked: Option<Level>,
     /// By how many thousandths a timing may be off, as the implementation's maker states.
     pub tolerance: u32,
@@ -48,11 +48,11 @@ pub struct ConformanceReport {
     pub stopped: Option<String>,
 }
 
-/// What a run comes to.
+/// The verdict on an implementation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ConformanceVerdict {
-    /// It conforms at the level that was asked for.
+    /// It conforms at the level that the run was to judge.
     Conforms,
     /// It does not.
     DoesNotConform,
@@ -91,7 +91,7 @@ pub enum LevelVerdict {
     Failed,
     /// The implementation does not observe what the level is judged by.
     NotObserved,
-    /// It was not asked for.
+    /// The run was not to judge it.
     NotAsked,
 }
 
@@ -119,7 +119,7 @@ pub struct RequirementResult {
     pub failed: usize,
 }
 
-/// A session that fails, as short as it gets.
+/// A session that fails, shrunk to the shortest that still does.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Failure {
     /// The requirement that is broken.

@@ -20,7 +20,7 @@ pub struct Finding {
     pub requirement: &'static str,
     /// Number of the request, from 0 on; none before the first and after the last.
     pub request: Option<usize>,
-    /// What was asked for.
+    /// The request, or the line before the first or behind the last of them.
     pub asked: String,
     /// The model's answer.
     pub expected: String,
@@ -31,7 +31,7 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// How many of the session's requests had been asked by then.
+    /// How many of the session's requests lead to it, this one included.
     #[must_use]
     pub fn asked_by_then(&self) -> usize {
         match self.request {
@@ -43,7 +43,7 @@ impl Finding {
     }
 }
 
-/// How a conversation stands.
+/// The stage of a conversation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// The hello is to be answered.
@@ -92,7 +92,7 @@ impl<'a> Scoreboard<'a> {
         }
     }
 
-    /// How the conversation stands.
+    /// The stage of the conversation.
     #[inline]
     #[must_use]
     pub fn stage(&self) -> Stage {
@@ -156,12 +156,12 @@ impl<'a> Scoreboard<'a> {
         self.at = next;
     }
 
-    /// Says why no answer came to what is asked next.
+    /// Says why the next request has no answer.
     pub fn silent(&mut self, requirement: &'static str, says: &str) {
         self.broken(requirement, "an answer", b"", says);
     }
 
-    /// Says what is wrong after all was answered, or whatever was answered.
+    /// Says what is wrong behind the last answer, or with the conversation as a whole.
     pub fn misbehaves(&mut self, requirement: &'static str, says: &str) {
         self.at = self.session.text().len();
         self.broken(requirement, "", b"", says);
@@ -248,7 +248,7 @@ impl<'a> Scoreboard<'a> {
     }
 }
 
-/// What the answers to a session come to.
+/// The result of comparing the answers to a session.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CheckedAnswers {
     /// The first difference at each level.

@@ -88,7 +88,7 @@ pub fn serve(make: &MakeImplementation, input: impl Read, mut output: impl Write
     while more && input.read_until(b'\n', &mut line)? > 0 {
         more = server.answer(line.trim_ascii_end(), &mut answers);
         line.clear();
-        // What was asked for is answered before more is waited for.
+        // All answers so far are written before the server waits for more requests.
         if answers.len() >= BUFFER || !input.buffer().contains(&b'\n') {
             output.write_all(&answers)?;
             output.flush()?;

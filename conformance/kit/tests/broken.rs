@@ -44,7 +44,7 @@ fn first_failure(fault: &Fault, dut: &dyn Dut, kind: &dyn Kind) -> Option<Failur
     report.failures.into_iter().next()
 }
 
-/// Requests that exhaustive search is made of: each line of twice the memory, and what forgets them.
+/// Requests that exhaustive search combines: each line of twice the memory, and what invalidates them.
 /// For sets alone, the first lines; for the chip, the packets that fail, and such of one operation.
 fn alphabet(failure: &Session) -> Vec<String> {
     let config = failure.config();
@@ -98,7 +98,7 @@ fn some_fail(dut: &dyn Dut, kind: &dyn Kind, failure: &Session, length: usize) -
         scoreboard.findings().first().map(|finding| finding.request)
     };
     let fails = |requests: &[&[u8]]| first_wrong(&failure.with_requests(requests.iter().copied())).is_some();
-    // To start a program takes most of the time. So all are first asked for in one conversation, each
+    // Starting a program takes most of the time. So all are first requested in one conversation, each
     // behind a flush, which begins anew; sets have nothing to begin anew with.
     let between: &[&[u8]] = if kind.name() == SetHash.name() { &[] } else { &[b"flush"] };
     let all = tried.iter().flat_map(|requests| between.iter().chain(requests.iter()).copied());

@@ -1,8 +1,8 @@
 //! The cache as a filter over standard input and output, as other languages have it.
 
-use saarcor_kit::kind::Kind;
 use saarcor_kit::error::Error;
 use saarcor_kit::implementation::Implementation;
+use saarcor_kit::kind::Kind;
 use saarcor_kit::server::serve;
 use saarcor_kit::vm::cache::CacheAdapter;
 use std::io::{stdin, stdout};

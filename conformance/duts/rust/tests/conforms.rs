@@ -1,8 +1,8 @@
 //! The kit in process: all suites, without a child process.
 
 use saarcor_kit::dut::InProcess;
-use saarcor_kit::report::ConformanceVerdict;
 use saarcor_kit::plan::{Options, default_suite};
+use saarcor_kit::report::ConformanceVerdict;
 use saarcor_kit::run::run;
 use saarcor_kit::vm::{Vm, cache::CacheAdapter};
 

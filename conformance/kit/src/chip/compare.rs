@@ -32,7 +32,7 @@ impl ChipComparison {
 /// What a cache counts.
 fn counts(names: [&'static str; 3], right: &CacheReport, got: &CacheReport) -> [Count; 3] {
     [
-        // A line that is asked for, or is not, is an operation's or a part's.
+        // Whether a line is looked up at all depends on the operation or the part.
         (names[0], right.accesses, got.accesses, "CH-7"),
         (names[1], right.misses, got.misses, "CH-9"),
         (names[2], right.merged, got.merged, "CH-10"),

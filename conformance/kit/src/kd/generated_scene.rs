@@ -57,7 +57,7 @@ impl GeneratedScene {
             materials: vec![Material::default()],
             ..ModelScene::default()
         };
-        // All kernels of this kind read corners. A tree that is none says so when it is asked for.
+        // All kernels of this kind read corners. A tree that is not legal is refused when a ray is traced.
         let Ok(image) = HostImage::build(&scene, &self.tree, Kernel::MollerTrumbore) else { return text };
         let [nodes, lists, triangles, ..] = image.region_bytes.map(|bytes| bytes.0 as usize);
         let mut region = |start: usize, bytes: usize, item: usize| {

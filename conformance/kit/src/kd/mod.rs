@@ -93,7 +93,7 @@ impl Kind for Kd {
         Ok(Box::new(compare::KdComparison::new(session, observes)?))
     }
 
-    /// The last scene simplified, with the rays that it was asked for.
+    /// The last scene simplified, with its rays.
     fn simpler_sessions(&self, session: &Session) -> Vec<Session> {
         let Ok(mut model) = KdOracle::new(Oracle::Model, session.config()) else { return Vec::new() };
         let mut rays = Vec::new();

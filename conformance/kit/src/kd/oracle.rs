@@ -17,7 +17,7 @@ pub struct KdOracle {
     oracle: Oracle,
     kernel: Kernel,
     world: SceneMemory,
-    /// The scene of the world, once a ray was asked for.
+    /// The scene that lies in memory, once a ray was traced in it.
     scene: Option<LegalScene>,
 }
 

@@ -43,7 +43,7 @@ pub enum Step {
         interval: (f32, f32),
         /// The children that it goes to.
         visited: Children,
-        /// Children put off, with this one.
+        /// Children on the stack after this step.
         put_off: usize,
     },
     /// The ray is in a leaf.
@@ -57,7 +57,7 @@ pub enum Step {
         /// Something was hit before.
         after_hit: bool,
     },
-    /// A child that was put off lies behind what is hit by now.
+    /// A child from the stack lies behind the hit so far.
     Culled,
     /// The ray is tested against a triangle.
     Test {

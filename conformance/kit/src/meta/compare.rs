@@ -83,7 +83,7 @@ fn moves(right: &[GranuleEvent], got: &[GranuleEvent], corrupted: bool) -> Optio
             let asked = |moved: Option<&GranuleEvent>| moved.filter(|_| !written_back(moved)).map(number);
             let requirement = match () {
                 () if corrupted => "VM-14",
-                // Which granules are asked for, and when.
+                // Which granules are requested, and when.
                 () if !written_back(right) && !written_back(got) && asked(right) != asked(got) => "CH-17",
                 () => "VM-13",
             };
