@@ -103,8 +103,10 @@ pub trait Kind: Sync {
 /// What sessions are judged by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Oracle {
-    /// The model: what implementations are compared with.
+    /// The model: what implementations are compared with. It is the specification, and of the chip in time its
+    /// fast twin.
     Model,
-    /// The second opinion, which shares none of the model's logic: it judges the model.
+    /// The second opinion, which judges the model: naive code that shares none of its logic, and of the chip in
+    /// time the specification.
     Naive,
 }

@@ -9,8 +9,8 @@ use saarcor_kit::plan::{Options, PlannedSession, default_suite, random_sessions}
 use saarcor_kit::report::{ConformanceReport, ConformanceVerdict, LevelResult, LevelVerdict};
 use saarcor_kit::run::run;
 
-/// Of the requests of other kinds so many have the chip one: a request of it is a packet, whose
-/// operations the naive stepping takes cycle by cycle.
+/// The chip has one request where other kinds have so many: its requests are packets, which the specification
+/// plays cycle by cycle.
 const CHIP_PART: usize = 20;
 
 fn requests_of(kind: &dyn Kind, requests: usize) -> usize {
