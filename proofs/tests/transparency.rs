@@ -59,7 +59,7 @@ enum Place {
 /// Distances of lines that share a set.
 #[derive(Clone, Copy, Debug)]
 enum Stride {
-    /// The number of sets: lines that the lower bits cannot tell apart.
+    /// The number of sets: lines that the lower bits do not distinguish.
     Sets,
     /// One less: lines whose lower and upper bits have the same sum.
     SetsLessOne,

@@ -90,8 +90,8 @@ theorems! {
         check_eq!(result.is_ok(), legal, "{nodes:?}, stack of {deepest}: {result:?}");
     }
 
-    /// Every traversal of an accepted tree ends: it is at each node at most once, also if it visits
-    /// all of them, and the stack has room.
+    /// Every traversal of an accepted tree ends: it visits each node at most once, and its stack never
+    /// overflows.
     #["KD-2", unwind 6, covers ["all five nodes", "one child at each node", "both inner nodes on a path"]]
     fn traversal_of_an_accepted_tree_ends(s) {
         // Five nodes are a tree only if their pairs of children begin at 1 and at 3.
@@ -145,8 +145,8 @@ theorems! {
         check_eq!(result.is_ok(), split.is_finite(), "plane at {split}: {result:?}");
     }
 
-    /// A tree is accepted only if each leaf's list lies inside the lists, also where its end is
-    /// beyond 32 bits.
+    /// A tree is accepted only if the list of each leaf lies within the lists of the scene, even if its
+    /// end needs more than 32 bits.
     #["KD-2", unwind 5, covers ["up to the end", "beyond the end", "no entry", "beyond 32 bits"]]
     fn accepted_lists_lie_inside_the_lists(s) {
         // Two leaves of which either may be at fault: each is looked at by itself.

@@ -131,8 +131,9 @@ fn is_before(stack: &Stack<Part, ROOM>, at: Part, visited: u8, end: u8) -> bool 
 }
 
 theorems! {
-    /// A packet that walks a tree visits every leaf that it is led to, each once, near before far,
-    /// and no other; the stack never holds more children than there are inner nodes above.
+    /// A packet that walks a tree visits exactly the leaves to which its decisions lead, each once, the
+    /// near ones before the far ones; the stack never holds more children than there are inner nodes
+    /// above.
     #["KD-4", unwind 17, covers ["five leaves or more", "one leaf", "a full stack", "leaves of two levels"]]
     fn walk_visits_each_leaf_once_near_before_far(s) {
         // Every tree of up to three inner nodes on a path, and every decision at each of them. A
@@ -205,9 +206,9 @@ theorems! {
         check_eq!(leaves, place, "leaves visited: {visited:?}, expected {expected:?}; inner nodes {inner:?}, {decisions:?}");
     }
 
-    /// However deep the tree: after a step down, or on from a leaf, the parts put off are still all
-    /// leaves that are not yet visited, near before far, and the stack has room for all that is
-    /// below.
+    /// However deep the tree: after a step down to a child, or on from a leaf, the stack still holds
+    /// all leaves that are not yet visited, the near ones before the far ones, and has room for all
+    /// that lies below.
     #["KD-4", unwind 6, covers ["step to one child", "step to both", "on from a leaf", "the last leaf", "a full stack"]]
     fn step_keeps_the_rest_of_the_walk(s) {
         // The induction step to the theorem before: leaves are numbered in the order of the walk,
@@ -269,8 +270,8 @@ theorems! {
         }
     }
 
-    /// A packet visits a child exactly if one of its rays meets it, and first the one at whose side
-    /// the ray comes in that decides.
+    /// A packet visits a child exactly if one of its rays meets it; if it visits both, it begins on the
+    /// side from which the deciding ray comes.
     #["KD-3", unwind 5, covers ["below", "above", "both, upwards", "both, downwards"]]
     fn children_visited_are_those_met(s) {
         let (below, above) = (draw::flag(s, "meets the one below"), draw::flag(s, "meets the one above"));
@@ -289,9 +290,8 @@ theorems! {
         }
     }
 
-    /// No part of a ray is lost at a node, whatever the plane's distance: what lies in the cell lies
-    /// in the child below, in the one above, or in both; and so a ray that meets a cell meets a
-    /// child.
+    /// No part of a ray is lost at a node, whatever the distance of the split plane: each point of the
+    /// ray in the cell lies in the child below, in the child above, or in both.
     #["KD-3", unwind 6, covers ["below alone", "above alone", "both", "NaN", "infinite"]]
     fn no_part_of_a_ray_is_lost(s) {
         let plane = plane(s);
@@ -307,9 +307,9 @@ theorems! {
         check!(holds(below, t) || holds(above, t), "{t} of {cell:?} at the plane {plane:?}: below {below:?}, above {above:?}");
     }
 
-    /// A child is visited where the ray meets it: the child on the near side has the ray from the
-    /// cell's beginning on, up to the greatest distance of the plane or the cell's end; the one on
-    /// the far side up to the cell's end, from the least distance or the cell's beginning on.
+    /// The near child has the ray from where it enters the cell to the greatest distance of the split
+    /// plane or the end of the cell; the far child has it from the least distance of the plane or the
+    /// beginning of the cell to where it leaves the cell.
     #["KD-3", unwind 4, covers ["the plane cuts the ray", "the plane lies behind", "the plane lies before"]]
     fn children_have_their_side_of_the_plane(s) {
         // Both ends are enough for all between, since no end is cut off by both of two numbers.
@@ -325,11 +325,10 @@ theorems! {
         check!(far.1 == cell.1 && (far.0 == plane.0 || far.0 == cell.0), "{cell:?} at the plane {plane:?}: far {far:?}");
     }
 
-    /// A child is not visited for more of a ray than its cell has of it: both children's intervals
-    /// lie in the cell's, the near one's ends at the greatest distance of the plane at last, and the
-    /// far one's begins at the least at first.
+    /// A child's interval lies within its parent's: the near child's ends no later than the greatest
+    /// distance of the split plane, and the far child's begins no earlier than the least.
     #["KD-3", unwind 4, covers ["misses the far child", "misses the near child", "meets both"]]
-    fn children_have_no_more_than_their_side(s) {
+    fn child_interval_lies_within_its_parents(s) {
         let plane = plane(s);
         let (enter, leave) = interval(s)?;
         let downwards = draw::flag(s, "downwards");
@@ -346,8 +345,8 @@ theorems! {
         check!(far_fits, "far {far:?}: {enter} .. {leave} at the plane {plane:?}");
     }
 
-    /// What of a ray lies in one child alone is nearer in the child that is visited first: the one
-    /// above where the ray goes downwards, else the one below.
+    /// A point of a ray that lies in the first child alone is nearer than one that lies in the other
+    /// alone; the first child is the one above if the ray goes downwards, and else the one below.
     #["KD-4", unwind 3, covers ["upwards", "downwards"]]
     fn first_child_is_the_near_one(s) {
         let plane = plane(s);
@@ -366,7 +365,8 @@ theorems! {
         check!(a < b, "{a} in {first:?}, {b} in {other:?}: {cell:?} at the plane {plane:?}");
     }
 
-    /// A ray in the split plane, whose distance is NaN, keeps its whole interval in both children.
+    /// A ray in the split plane, whose distance to it is NaN, keeps its whole interval in both
+    /// children.
     #["KD-3", unwind 4, covers ["upwards", "downwards", "an empty interval"]]
     fn ray_in_the_plane_goes_to_both_children(s) {
         let (enter, leave) = (float(s, "bits of enter"), float(s, "bits of leave"));
@@ -379,9 +379,9 @@ theorems! {
         check!(same(below, cell) && same(above, cell), "{cell:?} at NaN, downwards {downwards}: below {below:?}, above {above:?}");
     }
 
-    /// A ray parallel to the split plane, whose distance is infinite, stays as it is on the side on
-    /// which it is, and does not meet the other: below the plane where distance and direction have
-    /// one sign, else above.
+    /// A ray parallel to the split plane, whose distance to it is infinite, keeps its whole interval in
+    /// the child on its own side and does not meet the other child; it is below the plane if distance
+    /// and direction have the same sign, and else above.
     #["KD-3", unwind 5, covers ["below, upwards", "below, downwards", "above, upwards", "above, downwards"]]
     fn parallel_ray_stays_on_its_side(s) {
         let cell = meeting(s)?;
@@ -401,8 +401,8 @@ theorems! {
         check!(other.0 > other.1, "{cell:?} at {t}, downwards {downwards}: other side {other:?}");
     }
 
-    /// Widening gives two distances in order; they are NaN exactly if the plane's distance is, and
-    /// infinite on its side if it is.
+    /// Widening a distance gives two distances in order; both are NaN if it is NaN, and both equal it
+    /// if it is infinite.
     #["KD-3", unwind 6, covers ["positive", "negative", "zero", "NaN", "infinite"]]
     fn widened_distances_are_in_order(s) {
         // That they enclose the distance is more than a prover of bits can say of two products in
@@ -433,10 +433,10 @@ theorems! {
         check_eq!(is_downwards(1.0 / direction), direction.is_sign_negative(), "direction {direction}");
     }
 
-    /// The lesser and the greater of two numbers are on their side of both; where neither is less,
-    /// as with NaN and with zeros, they are the second.
+    /// `min` and `max` return the lesser and the greater of two numbers, and the second operand on NaN
+    /// or equality.
     #["KD-3", unwind 6, covers ["the first is less", "the second is less", "equal", "the first is NaN", "the second is NaN"]]
-    fn lesser_and_greater_keep_the_second_beside_nan(s) {
+    fn min_and_max_return_the_second_beside_nan(s) {
         let (a, b) = (float(s, "bits of the first"), float(s, "bits of the second"));
         cover!(s, "the first is less", a < b);
         cover!(s, "the second is less", b < a);
@@ -451,8 +451,8 @@ theorems! {
         }
     }
 
-    /// A hit cuts off what lies behind it and nothing else, for its own ray alone: a hit of which no
-    /// ray wants a nearer one, at minus infinity, ends the ray.
+    /// A hit cuts off the part of its own ray that lies behind it, and nothing else; a hit at minus
+    /// infinity, which stands for any hit, ends the ray.
     #["KD-4", unwind 4, covers ["before the hit", "behind the hit", "any hit"]]
     fn hits_cut_off_what_lies_behind(s) {
         // Two rays: the hit's own, and another.
@@ -472,8 +472,8 @@ theorems! {
         }
     }
 
-    /// A packet meets a cell exactly if one of its rays does, and the ray that decides its way is
-    /// the first of them.
+    /// A packet meets a cell exactly if one of its rays does; the first of these rays decides the order
+    /// of the children.
     #["KD-3", unwind 4, covers ["no ray", "the last ray alone", "NaN"]]
     fn packet_meets_what_one_of_its_rays_meets(s) {
         // Three rays: the first, the last, and one between.

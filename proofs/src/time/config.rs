@@ -6,8 +6,8 @@ use saarcor_model::time::{ChipConfig, MAX_COUNT, MetadataCacheConfig, UnitConfig
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy};
 
 theorems! {
-    /// A unit is busy with an operation for the fewest cycles in which its rays go in, and for one at
-    /// least.
+    /// A unit is busy with an operation for as few cycles as its rays need to go in, and for at least
+    /// one.
     #["CH-6", unwind 4, covers ["no rays", "one cycle", "a last cycle that is not full"]]
     fn unit_is_busy_until_its_rays_are_in(s) {
         let rays = u32::from(s.value("rays", 0..=u8::MAX, &[0, 1, 2, 3, 4, 5, 63, 64, 65, 255]));
@@ -20,7 +20,7 @@ theorems! {
         check!(cycles == 1 || (cycles - 1) * rays_a_cycle < rays, "{rays} rays, {rays_a_cycle} a cycle: {cycles}");
     }
 
-    /// The metadata cache has as many sets as make its size with four ways of a granule each.
+    /// The sets of the metadata cache, with four ways of one granule each, make up the size asked for.
     #["CH-17", unwind 4, covers ["one set", "many sets"]]
     fn metadata_cache_has_the_size_asked_for(s) {
         let granule_bits = s.value("log2 granule", 3..=12, &WORDS[3..13]);

@@ -11,9 +11,8 @@ fn number(s: &mut impl Source, name: &'static str) -> u64 {
 }
 
 theorems! {
-    /// Hits, lines that were in flight, and misses together are the accesses; stalls of all causes
-    /// together are the stalled cycles; and the bytes of the on-board memory are those of its four
-    /// causes.
+    /// Hits, lines in flight and misses add up to the accesses, stalls of all causes to the stalled
+    /// cycles, and the bytes of the four causes to those of the on-board memory.
     #["CH-18", unwind 7, covers ["hits", "merged", "stalled"]]
     fn counters_add_up(s) {
         let cache = CacheReport { accesses: number(s, "accesses"), merged: number(s, "merged"), misses: number(s, "misses") };

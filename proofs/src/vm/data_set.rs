@@ -111,7 +111,7 @@ theorems! {
         check!(after.is_valid(policy), "{policy:?}: {before:?}, step {step} of {line:?}: {after:?}");
     }
 
-    /// The invariant tells a free way that is dirty, and an illegal set.
+    /// The invariant of a set with bytes rejects a free way that is dirty, and an illegal set.
     #["VM-13", unwind 8, covers ["dirty and free", "a line twice"]]
     fn invariant_rejects_dirty_free_ways(s) {
         let policy = draw::policy(s);
@@ -128,7 +128,7 @@ theorems! {
         check!(!set.is_valid(policy), "{policy:?}: taken for legal: {set:?}");
     }
 
-    /// A set with bytes decides as the set without them: same hit, way and victim.
+    /// A set with bytes makes the same decisions as the set without them: same hit, way and victim.
     #["L1-1", unwind 8, covers ["hit", "miss"]]
     fn data_set_decides_like_the_set(s) {
         let policy = draw::policy(s);
@@ -141,8 +141,8 @@ theorems! {
         check_eq!(before.invalidate(line).0.set, before.set.invalidate(line).0, "{policy:?}: {:?}, invalidate {line:?}", before.set);
     }
 
-    /// Whatever line is used, no line's bytes change: what is loaded is what the memory behind
-    /// holds, and what was written is written back before it is dropped.
+    /// An access changes no line's bytes: a line is loaded as the memory behind holds it, and what was
+    /// written to a line is written back when the line is evicted.
     #["VM-13", unwind 8, covers ["loaded", "written back", "kept"]]
     fn access_keeps_every_lines_bytes(s) {
         let policy = draw::policy(s);
@@ -160,7 +160,7 @@ theorems! {
         check!(!clean || watched.behind == watched.bytes, "{policy:?}: {before:?}, access {line:?}, {after:?}: clean, but {watched:?}");
     }
 
-    /// What is written to a line is what it holds, and no other line changes.
+    /// After a write a line holds what was written, and no other line has changed.
     #["VM-13", unwind 8, covers ["the line itself", "another line"]]
     fn write_changes_one_line(s) {
         let policy = draw::policy(s);
@@ -199,8 +199,8 @@ theorems! {
         check!(!after.dirty[way] && after.contents[way] == [9; 2], "{policy:?}: {before:?}, miss {line:?}: {after:?}");
     }
 
-    /// After an invalidation the line is not there, and its bytes come from behind again; the
-    /// others stay.
+    /// After an invalidation the line is not resident, and its bytes are loaded again from the memory
+    /// behind; all other lines stay.
     #["L1-2", unwind 8, covers ["the line itself", "another line"]]
     fn invalidation_drops_one_lines_bytes(s) {
         let policy = draw::policy(s);

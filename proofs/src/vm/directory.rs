@@ -78,7 +78,7 @@ pub fn len(s: &mut impl Source) -> u64 {
 }
 
 theorems! {
-    /// An access changes no set but that of its line.
+    /// An access changes no set but the set of its line.
     #["VM-6", unwind 5, covers ["set 0", "set 1"]]
     fn access_changes_one_set(s) {
         let mut directory = directory::<S, WAYS, SETS>(s, &WORDS[..6])?;
@@ -93,7 +93,7 @@ theorems! {
         }
     }
 
-    /// An access to the whole cache is the step of its line's set.
+    /// An access to the cache is one step of the set of its line.
     #["VM-6", unwind 5, covers ["hit", "miss"]]
     fn access_is_the_step_of_its_set(s) {
         let mut directory = directory::<S, WAYS, SETS>(s, &WORDS[..6])?;
@@ -107,8 +107,8 @@ theorems! {
         check_eq!((directory.sets()[own], outcome), expected, "access {line:?} to {before:?}");
     }
 
-    /// After any access and any invalidation every resident line lies in its own set, and the sets
-    /// are legal: never more lines are resident than the memory holds, and none twice.
+    /// After any access and any invalidation all sets are legal and every resident line lies in its own
+    /// set: so no line is resident twice, and never more lines than the memory holds.
     #["VM-5", unwind 5, covers ["access", "invalidation"]]
     fn resident_lines_lie_in_their_sets(s) {
         let mut directory = directory::<S, WAYS, SETS>(s, &WORDS[..6])?;
@@ -125,7 +125,7 @@ theorems! {
         check!(is_valid(&directory), "access: {access}, {addr:?}, {len} bytes to {before:?}: {directory:?}");
     }
 
-    /// The counters count: each access once, each miss and each eviction where there was one.
+    /// The counters count each access once, and each miss and each eviction that it causes.
     #["VM-6", unwind 5, covers ["hit", "miss", "eviction"]]
     fn counters_count_each_access(s) {
         let mut directory = directory::<S, WAYS, SETS>(s, &WORDS[..6])?;
@@ -168,8 +168,8 @@ theorems! {
         check!(loaded >= distinct, "{:?}: {lines:?} are {distinct} lines, {loaded} loaded", directory.config);
     }
 
-    /// An invalidation of a range of bytes forgets every line that meets it, and no other line,
-    /// nor the order; it counts the lines that it forgot.
+    /// An invalidation of a range of bytes forgets exactly the resident lines that overlap it, counts
+    /// them, and changes nothing else.
     #["VM-8", unwind 5, covers ["a line in the range", "a line beside it", "more lines than the cache holds", "none"]]
     fn invalidation_forgets_exactly_the_range(s) {
         let mut directory = directory::<S, WAYS, SETS>(s, &WORDS[..6])?;

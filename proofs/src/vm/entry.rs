@@ -15,12 +15,12 @@ fn entry(s: &mut impl Source, small: &'static [u32]) -> Entry {
 }
 
 /// The 40 bits with those of `error` flipped.
-fn turned(bits: [u8; ENTRY_BYTES], error: u64) -> [u8; ENTRY_BYTES] {
-    let mut turned = bits;
-    for (i, byte) in turned.iter_mut().enumerate() {
+fn flipped(bits: [u8; ENTRY_BYTES], error: u64) -> [u8; ENTRY_BYTES] {
+    let mut flipped = bits;
+    for (i, byte) in flipped.iter_mut().enumerate() {
         *byte ^= (error >> (8 * i)) as u8;
     }
-    turned
+    flipped
 }
 
 theorems! {
@@ -35,8 +35,7 @@ theorems! {
         check_eq!(Entry::decode(entry.encode()), Ok(entry), "{:02x?}", entry.encode());
     }
 
-    /// Whatever 40 bits decode to an entry are the ones that the entry encodes to: no entry has
-    /// two encodings.
+    /// No entry has two encodings: 40 bits that decode to an entry are the 40 bits to which it encodes.
     #["VM-12", unwind 8, covers ["legal", "corrupt"]]
     fn encoding_is_unique(s) {
         let mut bits = [0; ENTRY_BYTES];
@@ -51,10 +50,10 @@ theorems! {
         }
     }
 
-    /// An entry in which one bit, or up to three neighbouring bits, are flipped is told to be
-    /// corrupt. (Two bits a multiple of 3 apart are not told.)
+    /// The check bits detect every error of one bit and of two or three neighbouring bits (two wrong
+    /// bits a multiple of 3 apart they do not).
     #["VM-12", unwind 8, covers ["one bit", "three bits", "a check bit"]]
-    fn short_errors_are_told(s) {
+    fn short_errors_are_detected(s) {
         let entry = entry(s, &ENDS);
         let (first, shape) = (s.value("bit", 0..=39, &WORDS), s.value("shape", 0..=3, &BYTES[..4]));
         // Bits 1, 11, 101, 111: those of up to three neighbours, from the first on.
@@ -63,11 +62,11 @@ theorems! {
         cover!(s, "one bit", shape == 0);
         cover!(s, "three bits", shape == 3);
         cover!(s, "a check bit", first >= 37);
-        let bits = turned(entry.encode(), error);
-        check!(Entry::decode(bits).is_err(), "{entry:?} with the bits {error:#x} turned is {:?}", Entry::decode(bits));
+        let bits = flipped(entry.encode(), error);
+        check!(Entry::decode(bits).is_err(), "{entry:?} with the bits {error:#x} flipped is {:?}", Entry::decode(bits));
     }
 
-    /// A set decodes from its entries to itself, for every policy, with whatever its free ways
+    /// Decoding the entries of a set gives the set back, for every policy and whatever its free ways
     /// still hold.
     #["VM-12", unwind 8, covers ["PLRU", "a free way"]]
     fn set_decodes_to_itself(s) {
@@ -77,10 +76,10 @@ theorems! {
         check_eq!(Set::from_entries(set.to_entries(), policy), Ok(set), "{policy:?}");
     }
 
-    /// Entries that are each in order but together no legal set are told: a line in two ways, or
-    /// management bits that the policy does not have.
+    /// Decoding rejects entries that are each legal but together make no legal set: a line in two ways,
+    /// or management bits that the policy does not have.
     #["VM-5", unwind 8, covers ["legal", "a line twice", "illegal order"]]
-    fn illegal_sets_are_told(s) {
+    fn illegal_sets_are_detected(s) {
         let policy = draw::policy(s);
         let entries = [(); 2].map(|()| {
             let line = draw::line(s, &WORDS[..3]);

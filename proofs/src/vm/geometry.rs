@@ -56,8 +56,7 @@ theorems! {
         check_eq!(geometry.is_ok(), legal, "{memory} bytes in lines of {line}, {ways} ways");
     }
 
-    /// A cache has the memory, the line and the ways that were asked for, and as many lines and
-    /// sets as they make.
+    /// A cache has the size, the line and the ways asked for, and as many lines and sets as these make.
     #["VM-1", unwind 8, covers ["many sets", "one set", "4 GiB"]]
     fn geometry_has_the_sizes_asked_for(s) {
         let (ways, line, sets) = draw::logarithms(s)?;
@@ -71,7 +70,7 @@ theorems! {
         check_eq!(geometry.set_bits(), sets, "logarithm of the sets of {geometry:?}");
     }
 
-    /// Line and offset of an address make the address again.
+    /// The line and the offset of an address together give the address back.
     #["VM-1", unwind 8, covers ["inside a line", "first byte of a line"]]
     fn split_and_join_are_inverse(s) {
         let (geometry, addr) = (draw::geometry(s)?, draw::addr(s, &EDGES));
@@ -105,7 +104,7 @@ theorems! {
         check_eq!(geometry.line_of(a) == geometry.line_of(b), one_line, "{geometry:?}: {a:?} and {b:?}");
     }
 
-    /// The lines of any two different places (set, way) do not overlap on the card.
+    /// Lines in two different places (set and way) do not overlap on the card.
     #["VM-11", unwind 8, covers ["two ways of a set", "two sets", "4 GiB"]]
     fn card_addresses_do_not_overlap(s) {
         let geometry = draw::geometry(s)?;
@@ -121,7 +120,7 @@ theorems! {
         );
     }
 
-    /// Every line on the card lies inside the memory, on a multiple of its size.
+    /// Every line on the card lies inside the on-board memory, at a multiple of its size.
     #["VM-11", unwind 8, covers ["last line", "first line"]]
     fn card_addresses_stay_in_the_memory(s) {
         let geometry = draw::geometry(s)?;

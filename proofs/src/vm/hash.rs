@@ -5,7 +5,7 @@ use crate::{assume, check, check_eq, cover, theorems};
 use saarcor_model::vm::{Hash, LineAddr, SetIndex};
 
 theorems! {
-    /// The hash names a set that there is, for every line and any number of sets up to 2^32.
+    /// The hash gives a set that exists, for every line and every number of sets up to 2^32.
     // Each turn of `add-upper-all` drops at least one of the 32 bits of a line.
     #["VM-3", unwind 34, covers ["one set", "last set", "upper bits"]]
     fn hash_names_a_set(s) {
@@ -80,8 +80,8 @@ theorems! {
         check!(sets.0 != sets.1, "{hash:?} of {a:?} and {b:?} among 2^{set_bits} sets: both {:?}", sets.0);
     }
 
-    /// Lines that are a multiple of the number of sets apart all collide without the hash. With
-    /// it the first `sets` of them go to different sets.
+    /// Lines that are a multiple of the number of sets apart all collide without the hash; with it the
+    /// first `sets` of them go to different sets.
     #["VM-3", unwind 34, covers ["multiples of the number of sets"]]
     fn hash_spreads_strides_of_the_set_count(s) {
         let all_folds = draw::flag(s, "every fold");

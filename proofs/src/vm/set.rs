@@ -124,7 +124,7 @@ set_theorems! {
         check!(after.is_valid(policy), "{policy:?}: {before:?}, invalidate {line:?}: illegal {after:?}");
     }
 
-    /// A line is in at most one way.
+    /// No line is in two ways.
     #["VM-5", unwind 8, covers ["in one way", "in none"]]
     fn line_is_in_one_way(s) {
         let (policy, before) = draw::set::<S, WAYS>(s)?;
@@ -148,7 +148,7 @@ set_theorems! {
         check_eq!(copies(&set, line), 0, "{policy:?}: {line:?} in an empty set");
     }
 
-    /// An access hits exactly if the line is resident: what a free way still holds is no hit.
+    /// An access hits exactly if the line is resident; a line that a free way still holds is not.
     #["VM-6", unwind 8, covers ["resident", "a free way still holds it"]]
     fn hit_iff_resident(s) {
         let (policy, before) = draw::set::<S, WAYS>(s)?;
@@ -201,8 +201,7 @@ set_theorems! {
         );
     }
 
-    /// A miss evicts the line of the way that it takes, and only if no way is free; else it
-    /// takes the free way of the lowest number.
+    /// A miss takes the free way of the lowest number, and evicts a line only if no way is free.
     #["VM-7", unwind 8, covers ["two ways free", "full"]]
     fn miss_evicts_only_when_full(s) {
         let (policy, before) = draw::set::<S, WAYS>(s)?;
@@ -227,7 +226,7 @@ set_theorems! {
         );
     }
 
-    /// Every line but the one that is evicted stays, in its way.
+    /// Every line except the evicted one stays in its way.
     #["VM-6", unwind 8, covers ["hit", "a line evicted"]]
     fn other_lines_stay(s) {
         let (policy, before) = draw::set::<S, WAYS>(s)?;
@@ -347,8 +346,8 @@ set_theorems! {
         );
     }
 
-    /// With LRU, from any state, the lines used last are resident: as many as there are ways, of which
-    /// four are tried.
+    /// With LRU, from any state, the lines used last are resident: as many lines as there are ways (up
+    /// to four are tried).
     #["VM-6", unwind 8, covers ["none of them before", "all of them before"]]
     fn lru_keeps_the_lines_used_last(s) {
         let before = draw::set_of::<S, WAYS>(s, Policy::Lru)?;
@@ -361,8 +360,8 @@ set_theorems! {
         cover!(s, "all of them before", WAYS >= 4 && resident == 4);
     }
 
-    /// With tree-PLRU, from any state, the log2(ways) + 1 lines used last are resident, of which three
-    /// are tried.
+    /// With tree-PLRU, from any state, the log2(ways) + 1 lines used last are resident (up to three are
+    /// tried).
     #["VM-6", unwind 8, covers ["none of them before", "all of them before"]]
     fn plru_keeps_the_lines_used_last(s) {
         let before = draw::set_of::<S, WAYS>(s, Policy::Plru)?;
@@ -375,8 +374,8 @@ set_theorems! {
         cover!(s, "all of them before", WAYS >= 4 && resident == 3);
     }
 
-    /// After an invalidation its line is not resident; all others stay, in their ways and their
-    /// order.
+    /// After the invalidation of a line it is not resident; all other lines stay in their ways and in
+    /// their order.
     #["VM-8", unwind 8, covers ["resident", "not resident"]]
     fn invalidation_forgets_one_line(s) {
         let (policy, before) = draw::set::<S, WAYS>(s)?;
@@ -398,8 +397,8 @@ set_theorems! {
         }
     }
 
-    /// The invariant tells two ways with one line, a way twice or missing in the order, and bits of
-    /// a tree that are none.
+    /// The invariant rejects a line in two ways, a way that is twice or not at all in the order, and a
+    /// tree's bit that is neither 0 nor 1.
     #["VM-5", unwind 8, covers ["a line twice", "a way twice", "no such way", "no bit", "a bit above the root"]]
     fn invariant_rejects_illegal_sets(s) {
         let (policy, mut set) = draw::set::<S, WAYS>(s)?;

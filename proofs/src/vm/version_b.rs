@@ -148,8 +148,8 @@ impl<const WAYS: usize> Metadata<WAYS> for Scripted<WAYS> {
 }
 
 theorems! {
-    /// Whatever metadata a directory has, of whatever version: an access loads the set of its line,
-    /// answers by that set's step, and stores what the step makes of it.
+    /// With metadata of any version, an access loads the set of its line, answers as one step of this
+    /// set does, and stores the set after the step.
     #["VM-13", unwind 5, covers ["hit", "miss"]]
     fn directory_answers_from_what_it_loads(s) {
         let config = directory::config::<S, 2, 2>(s)?;
@@ -165,8 +165,8 @@ theorems! {
         check_eq!(directory.metadata.stored, Some((own, next)), "{line:?}, {set:?}: set stored");
     }
 
-    /// Whatever metadata a directory has: an invalidation of a line loads its set, and stores it
-    /// without the line if it was there.
+    /// With metadata of any version, an invalidation of a line loads its set, and stores the set
+    /// without the line if the line was resident.
     #["VM-13", unwind 5, covers ["forgotten", "not there"]]
     fn directory_invalidates_what_it_loads(s) {
         let config = directory::config::<S, 2, 2>(s)?;
@@ -183,8 +183,8 @@ theorems! {
         check_eq!((directory.metadata.asked, directory.metadata.stored), (Some(own), expected), "{addr:?}, {set:?}");
     }
 
-    /// Whatever granules are loaded, evicted and written back for it, version B loads the
-    /// metadata of a set as it is, and stays consistent.
+    /// Version B loads the metadata of a set as it was stored, whichever granules it has to load, evict
+    /// and write back for that, and stays consistent.
     #["VM-13", unwind 13, covers ["from the cache", "from the card", "written back"]]
     fn version_b_loads_what_it_holds(s) {
         let (truth, mut b, set, own) = any::<S, SMALL>(s)?;
@@ -196,8 +196,8 @@ theorems! {
         check!(holds(&b, &truth), "set {own} of {before:?}: {b:?}");
     }
 
-    /// A store replaces the metadata of a set and no other byte: no update of residence or order is
-    /// lost. A granule becomes dirty, and so costs a write-back, only if the metadata changes.
+    /// A store replaces the metadata of one set and no other byte; a granule becomes dirty, and so
+    /// costs a write-back, only if it changes.
     #["VM-13", unwind 13, covers ["changed", "unchanged", "written back"]]
     fn version_b_stores_one_set(s) {
         let (mut truth, mut b, was, own) = any::<S, SMALL>(s)?;
@@ -229,8 +229,8 @@ theorems! {
         check!(holds(&b, &truth), "{before:?}: {b:?}");
     }
 
-    /// A set whose metadata is told to be corrupt is taken for empty, and counted; what is stored
-    /// then is whole again.
+    /// A set whose metadata is detected to be corrupt counts as empty and is reported; the metadata
+    /// stored next is intact again.
     #["VM-14", unwind 10, covers ["in the metadata cache", "on the card"]]
     fn corrupt_metadata_makes_an_empty_set(s) {
         // The whole set in one granule: what is wrong in the cache is not evicted before it is
@@ -248,15 +248,15 @@ theorems! {
         cover!(s, "on the card", !in_cache);
         let before = shown!(b.clone());
         check_eq!(b.load(SetIndex(0)), Set::empty(b.lines), "bit {bit} of {before:?}");
-        check_eq!(b.observer.corrupt, 1, "bit {bit} of {before:?}: sets told to be corrupt");
+        check_eq!(b.observer.corrupt, 1, "bit {bit} of {before:?}: sets detected to be corrupt");
         let new = set(s, b.lines)?;
         put(&mut truth, 0, &new);
         b.store(SetIndex(0), &new);
         check!(holds(&b, &truth), "bit {bit} of {before:?}, then {new:?} stored: {b:?}");
     }
 
-    /// The traffic is what it says: a set's metadata is asked for granule by granule, and what is
-    /// not in the metadata cache is loaded.
+    /// The metadata of a set is asked for granule by granule, and exactly the granules that are not in
+    /// the metadata cache are loaded.
     #["VM-13", unwind 13, covers ["from the cache", "written back"]]
     fn metadata_traffic_counts_granules(s) {
         let (_, mut b, _, own) = any::<S, SMALL>(s)?;
@@ -274,8 +274,8 @@ theorems! {
         check_eq!(b.observer, expected, "set {own} of {before:?}");
     }
 
-    /// In a metadata cache of several sets every granule lies in the set of its lower bits: it is
-    /// found again by whoever asks for it.
+    /// In a metadata cache of several sets every granule lies in the set that the lower bits of its
+    /// number name.
     #["VM-13", unwind 13, covers ["in set 0", "in set 1", "found again"]]
     fn granules_lie_in_sets_of_their_own(s) {
         // From the empty cache, two sets of lines, one after the other.

@@ -91,8 +91,8 @@ theorems! {
         check_eq!(byte[0], memory.host.byte, "byte {} read from {state:?}", memory.host.addr);
     }
 
-    /// Whatever byte is read, and whatever line is loaded and evicted for it, what is on the card
-    /// stays the host's.
+    /// Whatever byte is read, and whatever line is loaded and evicted for it, the bytes on the card
+    /// stay the host's.
     #["VM-9", unwind 5, covers ["evicted", "loaded", "stays"]]
     fn reads_keep_the_card_the_hosts(s) {
         let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
@@ -109,8 +109,8 @@ theorems! {
         }
     }
 
-    /// After the host has written a byte and it was invalidated, it is not on the card: what is on
-    /// the card stays the host's. The rest of the card stays as it was.
+    /// After the host has written a byte and invalidated it, the byte is not on the card, and the rest
+    /// of the card stays as it was.
     #["VM-9", unwind 5, covers ["written while on the card", "written while not"]]
     fn host_writes_and_invalidation_keep_the_card_the_hosts(s) {
         let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
@@ -170,7 +170,8 @@ theorems! {
         check_eq!((memory.host.reads.get(), memory.host.moved.get()), expected, "reads and bytes of {addr:?} from {state:?}");
     }
 
-    /// After a flush no line is resident, the sets are as in a new cache, and the counters go on.
+    /// After a flush no line is resident and the sets are as in a new cache; the counters keep their
+    /// values.
     #["VM-8", unwind 5, covers ["lines were resident"]]
     fn flush_forgets_all(s) {
         let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
