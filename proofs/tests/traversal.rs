@@ -13,9 +13,10 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{TestCaseError, TestRunner};
 use saarcor_model::host::{
-    Aabb, Axis, HostImage, KdTree, MAX_DEPTH, Material, NODE_BYTES, Node, Scene, TRIANGLE_BYTES, Triangle,
+    Aabb, Axis, HostImage, KdTree, Kernel, MAX_DEPTH, Material, NODE_BYTES, Node, Scene, TRIANGLE_BYTES,
+    Triangle,
 };
-use saarcor_model::rays::{EdgeTriangle, Hits, Kernel, Packet, Query, Ray, Traversal, TriangleTest, widen};
+use saarcor_model::rays::{EdgeTriangle, Hits, Packet, Query, Ray, Traversal, TriangleTest, widen};
 use saarcor_model::vm::{HostAddr, Observed, Observer, Unit};
 use saarcor_oracles::flat::FlatMemory;
 use saarcor_oracles::search::closest_hit;

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use image::ExtendedColorType;
 use rayon::prelude::*;
-use saarcor_model::host::{Image, Material, Scene, TexelFormat};
+use saarcor_model::host::{Material, Scene, TexelFormat, Texture};
 
 use crate::csv::{CAMERA_CSV, LIGHTS_CSV, format_cameras, format_lights, parse_cameras, parse_lights};
 use crate::error::SceneError;
@@ -44,7 +44,7 @@ pub fn export_obj(scene: &Scene, path: &Path) -> Result<(), SceneError> {
     staging.write(&names.mtl(), |file| fs::write(file, mtl))?;
     staging.write(CAMERA_CSV, |file| fs::write(file, format_cameras(&scene.path)))?;
     staging.write(LIGHTS_CSV, |file| fs::write(file, format_lights(&scene.lights)))?;
-    let images = (0u32..).zip(&scene.images).zip(&shown).filter(|(_, shown)| **shown);
+    let images = (0u32..).zip(&scene.textures).zip(&shown).filter(|(_, shown)| **shown);
     let images: Vec<_> = images.map(|((index, image), _)| (names.image(index, &shown), image)).collect();
     images
         .par_iter()
@@ -152,7 +152,7 @@ impl<'a> Staging<'a> {
 /// Which images a triangle shows: those of materials in use, where there are texture coordinates.
 /// `used` says which materials are in use.
 fn shown_images(scene: &Scene, used: &[bool]) -> Vec<bool> {
-    let mut shown = vec![false; scene.images.len()];
+    let mut shown = vec![false; scene.textures.len()];
     if !scene.tex_coords.is_empty() {
         let used = scene.materials.iter().zip(used).filter(|(_, used)| **used);
         for image in used.flat_map(|(material, _)| [material.texture, material.bump]).flatten() {
@@ -175,7 +175,7 @@ fn check_indices(scene: &Scene) -> Result<Vec<bool>, String> {
         for (image, format) in [(material.texture, TexelFormat::Rgba8), (material.bump, TexelFormat::Height8)]
         {
             let Some(number) = image else { continue };
-            match scene.images.get(number as usize) {
+            match scene.textures.get(number as usize) {
                 Some(image) if image.format == format => {}
                 _ => {
                     return Err(format!(
@@ -276,7 +276,7 @@ fn illumination_model(material: &Material) -> u8 {
 }
 
 /// Writes the image as a PNG file.
-fn write_image(image: &Image, path: &Path) -> image::ImageResult<()> {
+fn write_image(image: &Texture, path: &Path) -> image::ImageResult<()> {
     let colour = match image.format {
         TexelFormat::Rgba8 => ExtendedColorType::Rgba8,
         TexelFormat::Height8 => ExtendedColorType::L8,

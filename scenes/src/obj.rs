@@ -169,7 +169,7 @@ fn load_materials(
         scene.materials.push(material);
     }
     files.extend(textures.files().map(Path::to_owned));
-    scene.images = textures.load(&mut scene.materials)?;
+    scene.textures = textures.load(&mut scene.materials)?;
     if unnamed {
         scene.materials.push(Material::default());
     }

@@ -20,7 +20,7 @@ fn has_the_numbers_of_table_1_and_is_the_same_on_every_run() {
 fn without_textures_the_geometry_is_the_same() {
     let scene = build("cruiser-nlnt");
     assert_eq!(scene.triangles.len(), 3_637_101);
-    assert!(scene.lights.is_empty() && scene.images.is_empty() && scene.tex_coords.is_empty());
+    assert!(scene.lights.is_empty() && scene.textures.is_empty() && scene.tex_coords.is_empty());
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{Vec2, Vec3, vec2, vec3};
 use proptest::prelude::*;
-use saarcor_model::host::{Camera, Image, Light, Material, Scene, TexelFormat, Triangle};
+use saarcor_model::host::{Camera, Light, Material, Scene, TexelFormat, Texture, Triangle};
 use saarcor_scenes::{SceneError, export_obj, load_obj, load_obj_and_files, read_cameras, read_lights};
 use tempfile::TempDir;
 
@@ -219,10 +219,10 @@ fn images_are_read_once_each_in_the_order_of_their_names() {
     fs::create_dir(files.path().join("maps")).unwrap();
     fs::write(files.path().join("maps/two words.png"), png(2, 1, &[1, 2, 3, 4, 5, 6])).unwrap();
     let scene = load_obj(&files.path().join("a.obj")).unwrap();
-    let heights = Image { width: 1, height: 2, format: TexelFormat::Height8, texels: vec![7, 9] };
+    let heights = Texture { width: 1, height: 2, format: TexelFormat::Height8, texels: vec![7, 9] };
     let colours =
-        Image { width: 2, height: 1, format: TexelFormat::Rgba8, texels: vec![1, 2, 3, 255, 4, 5, 6, 255] };
-    assert_eq!(scene.images, [heights, colours]);
+        Texture { width: 2, height: 1, format: TexelFormat::Rgba8, texels: vec![1, 2, 3, 255, 4, 5, 6, 255] };
+    assert_eq!(scene.textures, [heights, colours]);
     let maps = |m: &Material| (m.texture, m.bump, m.bump_height);
     assert_eq!(maps(&scene.materials[0]), (Some(1), Some(0), 2.5));
     assert_eq!(maps(&scene.materials[1]), (Some(1), Some(0), 1.0));
@@ -476,14 +476,14 @@ fn full_scene() -> Scene {
             Triangle { corners, material: index % 6 }
         })
         .collect::<Vec<_>>();
-    let colours = |width: u32, height: u32| Image {
+    let colours = |width: u32, height: u32| Texture {
         width,
         height,
         format: TexelFormat::Rgba8,
         texels: (0..width * height * 4).map(|i| (i * 7) as u8).collect(),
     };
     let heights =
-        Image { width: 3, height: 2, format: TexelFormat::Height8, texels: vec![0, 9, 3, 255, 1, 2] };
+        Texture { width: 3, height: 2, format: TexelFormat::Height8, texels: vec![0, 9, 3, 255, 1, 2] };
     let dir = vec3(0.3, -0.2, 0.9).normalize();
     let up = dir.cross(Vec3::X).normalize();
     Scene {
@@ -491,7 +491,7 @@ fn full_scene() -> Scene {
         normals: triangles.iter().map(|t| t.corners.map(|c| vec3(c.x, 2.0, 0.1))).collect(),
         triangles,
         materials,
-        images: vec![heights, colours(1, 1), colours(4, 3)],
+        textures: vec![heights, colours(1, 1), colours(4, 3)],
         lights: vec![Light { position: vec3(0.1, 0.2, 0.3), intensity: 0.7 }],
         path: vec![Camera { eye: vec3(1.0, 2.0, 3.0), dir, up, fov_y_deg: 59.9 }; 3],
         ..Scene::default()
@@ -522,7 +522,7 @@ fn an_export_without_textures_normals_and_lights_reads_back_the_same() {
     scene.normals.clear();
     assert_eq!(round_trip(&scene), scene);
     scene.tex_coords.clear();
-    scene.images.clear();
+    scene.textures.clear();
     for material in &mut scene.materials {
         *material = Material { texture: None, bump: None, bump_height: 0.0, ..*material };
     }
@@ -534,7 +534,7 @@ fn an_export_leaves_out_images_that_no_triangle_shows() {
     let mut scene = full_scene();
     scene.triangles.iter_mut().for_each(|triangle| triangle.material = 3);
     let read = round_trip(&scene);
-    assert_eq!(read.images, [scene.images[1].clone()]);
+    assert_eq!(read.textures, [scene.textures[1].clone()]);
     assert_eq!(read.materials[3], Material { texture: Some(0), ..scene.materials[3] });
     assert_eq!(read.triangles, scene.triangles);
 }
@@ -678,8 +678,8 @@ fn counts(scene: &Scene) -> (usize, usize, usize, usize, usize, usize) {
     (
         scene.triangles.len(),
         scene.triangles.iter().filter(|triangle| triangle.is_degenerate()).count(),
-        scene.images.len(),
-        scene.images.iter().map(|image| image.texels.len()).sum(),
+        scene.textures.len(),
+        scene.textures.iter().map(|image| image.texels.len()).sum(),
         scene.path.len(),
         scene.lights.len(),
     )

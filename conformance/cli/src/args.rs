@@ -5,7 +5,7 @@ use crate::size::Size;
 use anyhow::{Context, Result};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use saarcor_kit::vm::config::{HASHES, POLICIES};
-use saarcor_model::rays::Kernel;
+use saarcor_model::host::Kernel;
 use saarcor_model::time::standard::{self as numbers, CHIP_CACHE_WAYS};
 use saarcor_model::time::{ChipConfig, PciConfig, UNIT_NAMES, Version};
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy, Unit};

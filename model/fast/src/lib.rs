@@ -21,6 +21,7 @@
 //!
 //! Read `saarcor-model` first; then any of these modules beside its twin.
 
+pub mod adaptive;
 pub mod chip;
 pub mod directory;
 pub mod first_level;

@@ -73,7 +73,7 @@ theorems! {
         let deepest = usize::from(s.value("room of the stack", 0..=3, &BYTES[..4]));
         let depth = depth_of_tree(&nodes);
         let legal = depth.is_some_and(|depth| depth <= deepest);
-        let result = check_nodes(&nodes, 0, deepest, &mut [0; NODES]);
+        let result = check_nodes(&nodes, 0, deepest);
         let parents = |child: usize| {
             let mut parents = 0;
             for parent in nodes {
@@ -96,7 +96,7 @@ theorems! {
     fn traversal_of_an_accepted_tree_ends(s) {
         // Five nodes are a tree only if their pairs of children begin at 1 and at 3.
         let nodes = nodes(s, &[1, 3]);
-        assume!(check_nodes(&nodes, 0, 2, &mut [0; NODES]).is_ok());
+        assume!(check_nodes(&nodes, 0, 2).is_ok());
         let mut stack = Stack::<u32, 2>::new(u32::MAX);
         stack.begin(0);
         let mut at = stack.resume();
@@ -141,7 +141,7 @@ theorems! {
         cover!(s, "infinite", split.is_infinite());
         cover!(s, "NaN", split.is_nan());
         let nodes = [Node::Inner { axis, split, children: 1 }, LEAF, LEAF];
-        let result = check_nodes(&nodes, 0, 1, &mut [0; 3]);
+        let result = check_nodes(&nodes, 0, 1);
         check_eq!(result.is_ok(), split.is_finite(), "plane at {split}: {result:?}");
     }
 
@@ -161,7 +161,7 @@ theorems! {
         let leaf = Node::Leaf { first, count };
         let (below, above) = if above { (LEAF, leaf) } else { (leaf, LEAF) };
         let nodes = [Node::Inner { axis: Axis::Y, split: 0.0, children: 1 }, below, above];
-        let result = check_nodes(&nodes, refs as usize, 1, &mut [0; 3]);
+        let result = check_nodes(&nodes, refs as usize, 1);
         check_eq!(result.is_ok(), end <= u64::from(refs), "{leaf:?} of {refs} entries: {result:?}");
     }
 }

@@ -25,13 +25,16 @@
 //! | [`metadata::NaiveTags`] | the metadata of version B, and what of it moves |
 //! | [`search::closest_hit`] | kd-tree traversal |
 //! | [`exact::judge`], [`exact::closest`] | triangle tests, and what a ray hits first |
+//! | [`bounded::Bounded`] | how far off a triangle test that rounds may be, in any of the [`formats`] |
 //! | [`embree`] | answers of the model, by Embree |
 //! | [`bvh::Bvh`] | kd-tree traversal, in large scenes |
 
+pub mod bounded;
 pub mod bvh;
 pub mod cache;
 pub mod embree;
 pub mod exact;
 pub mod flat;
+pub mod formats;
 pub mod metadata;
 pub mod search;

@@ -3,7 +3,7 @@
 use dashu_ratio::RBig;
 use rustc_apfloat::ieee::{Double, IeeeFloat, Semantics};
 use rustc_apfloat::{Float, FloatConvert, StatusAnd};
-use saarcor_model::rays::{Narrow, Number};
+use saarcor_oracles::formats::{Format, Narrow};
 
 const OPERATIONS: usize = 10_000;
 

@@ -2,9 +2,16 @@
 
 use glam::Vec3;
 use proptest::prelude::*;
-use saarcor_model::rays::{AdaptiveRay, AdaptiveTriangle, Hits, Kernel, Packet, Prepared, Query, Ray};
+use saarcor_fast::adaptive::{AdaptiveRay, AdaptiveTriangle, FilteredIntersection};
+use saarcor_model::host::Kernel;
+use saarcor_model::rays::{
+    ExactHit, Hits, Intersection, IntersectionUnit, Intervals, Packet, Query, Ray, StoredTriangle,
+    TriangleTest, WatertightTriangle, intersect,
+};
+use saarcor_model::vm::HostAddr;
 use saarcor_oracles::exact::rational::nearest_f64;
 use saarcor_oracles::exact::{Verdict, closest, judge, order, solve};
+use saarcor_oracles::formats::{F16, Format};
 
 /// Whole numbers, so small that contact, coplanarity and coincidence are frequent.
 fn grid() -> impl Strategy<Value = Vec3> {
@@ -38,8 +45,23 @@ fn aimed(origin: Vec3, [a, b, c]: [Vec3; 3], (u, v): (f32, f32)) -> Vec3 {
     a * (1.0 - u - v) + b * u + c * v - origin
 }
 
-/// The adaptive test says what the judge says, and is as near to the true distance as it says.
+/// The adaptive test says what the judge says, and is as near to the true distance as it says: that of
+/// the specification, and that of its twin.
 fn adaptive_is_exact(ray: &Ray, corners: &[Vec3; 3]) -> Result<(), TestCaseError> {
+    let specified = ExactHit::new(ray, corners);
+    prop_assert_eq!(specified.is_some(), judge(ray, corners).is_hit());
+    if let Some(found) = specified {
+        let solution = solve(ray, corners).expect("hit");
+        for (found, right) in found.point().into_iter().zip([&solution.t, &solution.u, &solution.v]) {
+            let right = nearest_f64(right);
+            prop_assert!(
+                (found - right).abs() <= 2.0 * f64::EPSILON * right.abs(),
+                "{} is not {}",
+                found,
+                right
+            );
+        }
+    }
     let triangle = AdaptiveTriangle::new(corners);
     let found = triangle.intersect(&AdaptiveRay::new(ray));
     prop_assert_eq!(found.is_some(), judge(ray, corners).is_hit());
@@ -57,18 +79,33 @@ fn adaptive_is_exact(ray: &Ray, corners: &[Vec3; 3]) -> Result<(), TestCaseError
     Ok(())
 }
 
-/// Of two triangles a packet keeps the one that the judge finds first, at its lower address.
+/// Of several triangles a packet keeps the one that the judge finds first, at its lower address.
 fn adaptive_finds_the_first(ray: &Ray, triangles: &[[Vec3; 3]]) -> Result<(), TestCaseError> {
-    let packet = Packet::new([Some(*ray)]);
-    let everywhere = (&[f32::NEG_INFINITY], &[f32::INFINITY]);
-    let mut hits = Hits::none(&packet);
-    for (addr, corners) in triangles.iter().enumerate().rev() {
-        let triangle = Prepared::new(Kernel::Adaptive, corners);
-        triangle.intersect_packet(addr as u32, &packet, everywhere, Query::Closest, &mut hits);
-    }
     let first = closest(ray, (0..).zip(triangles.iter().copied())).map(|it| it.triangles[0].0);
-    prop_assert_eq!(hits.is_hit(0).then(|| hits.triangle[0]), first);
+    prop_assert_eq!(first_of(&mut Intersection::default(), ray, triangles), first);
+    prop_assert_eq!(first_of(&mut FilteredIntersection::default(), ray, triangles), first);
     Ok(())
+}
+
+/// The triangle that an intersection unit finds first; the last one comes first.
+fn first_of(unit: &mut impl IntersectionUnit<1>, ray: &Ray, triangles: &[[Vec3; 3]]) -> Option<u32> {
+    let packet = Packet::new([Some(*ray)]);
+    let mut hits = Hits::none(&packet);
+    for (addr, corners) in (0..).zip(triangles).collect::<Vec<_>>().into_iter().rev() {
+        let triangle = StoredTriangle::new(HostAddr(addr), Kernel::Adaptive, corners);
+        unit.intersect(&triangle, &packet, &Intervals::EVERYWHERE, Query::Closest, &mut hits);
+    }
+    hits.is_hit(0).then(|| hits.triangle[0])
+}
+
+/// Of a mesh that is seen from inside, such a triangle may be the only one that a ray leaves through.
+#[test]
+fn small_triangles_have_a_distance_in_the_watertight_test() {
+    let e = 2.0_f32.powi(-9);
+    let corners = [Vec3::new(-e, -e, 1.0), Vec3::new(e, -e, 1.0), Vec3::new(0.0, e, 1.0)];
+    let ray = WatertightTriangle::<F16>::ray([0.0; 3], [0.0, 0.0, 1.0]);
+    let found = WatertightTriangle::<F16>::new(&corners).intersect(&ray);
+    assert!(found.inside && found.t.to_f64() == 1.0, "{found:?}");
 }
 
 proptest! {
@@ -150,7 +187,7 @@ proptest! {
         prop_assert!(judge(&ray, &corners) != Verdict::Miss);
         let t = nearest_f64(&solve(&ray, &corners).expect("hit").t);
         for kernel in Kernel::ALL {
-            let found = Prepared::new(kernel, &corners).intersect(&ray);
+            let found = intersect(kernel, &corners, &ray);
             prop_assert!(found.is_some_and(|found| (f64::from(found.t) - t).abs() < 1e-4), "{:?}", kernel);
         }
     }

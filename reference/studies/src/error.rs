@@ -1,6 +1,6 @@
 //! What can go wrong in a study.
 
-use saarcor_model::host::ImageError;
+use saarcor_model::host::LayoutError;
 use saarcor_model::time::ConfigError;
 use saarcor_model::vm::GeometryError;
 use saarcor_oracles::embree::EmbreeError;
@@ -28,7 +28,7 @@ pub enum StudyError {
         /// The scene.
         scene: String,
         /// Why it does not fit.
-        source: ImageError,
+        source: LayoutError,
     },
     /// A path does not have the frame.
     #[error("frame {frame}: the path of {scene} has the frames 0 to {}", frames.saturating_sub(1))]

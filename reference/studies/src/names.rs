@@ -1,7 +1,7 @@
 //! What is called how, on a command line and in rows.
 
 use crate::trace::{PacketOrder, PacketSize};
-use saarcor_model::rays::Kernel;
+use saarcor_model::host::Kernel;
 use saarcor_model::time::{PciConfig, Version};
 use saarcor_scenes::kdbuild::SplitRule;
 

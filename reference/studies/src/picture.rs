@@ -5,6 +5,7 @@ use crate::trace::TraceOptions;
 use crate::world::World;
 use glam::Vec3;
 use image::RgbImage;
+use saarcor_fast::adaptive::FilteredIntersection;
 use saarcor_model::host::Registers;
 use saarcor_model::rays::{Frame, Pipeline, RayCounts};
 use saarcor_model::vm::{CacheConfig, Counters, Directory, Memory, Observed, VirtualMemory, WholeScene};
@@ -80,7 +81,7 @@ impl ForPackets for Render<'_, '_> {
     fn run<const N: usize>(self) -> Picture {
         let Self { memory, registers, frame, max_bounces } = self;
         let mut pixels = RgbImage::new(frame.width(), frame.height());
-        let mut pipeline = Pipeline::<N>::new(max_bounces);
+        let mut pipeline = Pipeline::<N, _>::with(FilteredIntersection::default(), max_bounces);
         for packet in 0..frame.packets::<N>() {
             let colours = pipeline.render(memory, registers, &frame, packet);
             let places = frame.pixels::<N>(packet);

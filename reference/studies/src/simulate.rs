@@ -12,6 +12,7 @@ use crate::world::World;
 use glam::Vec3;
 use image::RgbImage;
 use rayon::prelude::*;
+use saarcor_fast::adaptive::FilteredIntersection;
 use saarcor_model::rays::{Frame, Pipeline, RayCounts};
 use saarcor_model::time::{
     CacheReport, ChipConfig, Program, Programs, Recorder, Stall, TimingReport, UNIT_NAMES, UnitReport,
@@ -124,14 +125,16 @@ impl ForPackets for TracePackets<'_> {
         let Self { world, frame, max_bounces, packets, each } = self;
         let tools = || {
             let memory = Observed { memory: WholeScene(&world.image.bytes), observer: Recorder::default() };
-            (Pipeline::<N>::new(max_bounces), memory)
+            (Pipeline::with(FilteredIntersection::default(), max_bounces), memory)
         };
         let registers = &world.image.registers;
         for batch in packets.chunks(PACKETS_A_BATCH) {
-            let trace = |(pipeline, memory): &mut (Pipeline<N>, Observed<_, Recorder>), &packet: &u32| {
-                let colours = pipeline.render(memory, registers, &frame, packet);
-                (memory.observer.take(), colours, std::mem::take(&mut pipeline.rays))
-            };
+            let trace =
+                |(pipeline, memory): &mut (Pipeline<N, FilteredIntersection<N>>, Observed<_, Recorder>),
+                 &packet: &u32| {
+                    let colours = pipeline.render(memory, registers, &frame, packet);
+                    (memory.observer.take(), colours, std::mem::take(&mut pipeline.rays))
+                };
             let traced: Vec<_> = batch.par_iter().map_init(tools, trace).collect();
             for (&packet, (program, colours, rays)) in batch.iter().zip(traced) {
                 let places = frame.pixels::<N>(packet);

@@ -9,6 +9,7 @@ use crate::dispatch::{ForPackets, ForWays, with_packets, with_ways};
 use crate::trace::TraceOptions;
 use crate::world::World;
 use rayon::prelude::*;
+use saarcor_fast::adaptive::FilteredIntersection;
 use saarcor_fast::directory;
 use saarcor_model::rays::{Frame, Pipeline, RayCounts};
 use saarcor_model::vm::{
@@ -231,13 +232,16 @@ impl ForPackets for TraceFrame<'_> {
     fn run<const N: usize>(self) -> Self::Output {
         let Self { world, frame, max_bounces, cache, consume } = self;
         let trace_batch = |packets: Range<u32>| -> Vec<(Vec<u32>, RayCounts)> {
-            let trace = |pipeline: &mut Pipeline<N>, packet| {
+            let trace = |pipeline: &mut Pipeline<N, _>, packet| {
                 let observer = Addresses { cache, recorded: Vec::new() };
                 let mut memory = Observed { memory: WholeScene(&world.image.bytes), observer };
                 pipeline.render(&mut memory, &world.image.registers, &frame, packet);
                 (memory.observer.recorded, std::mem::take(&mut pipeline.rays))
             };
-            packets.into_par_iter().map_init(|| Pipeline::new(max_bounces), trace).collect()
+            packets
+                .into_par_iter()
+                .map_init(|| Pipeline::with(FilteredIntersection::default(), max_bounces), trace)
+                .collect()
         };
         let mut consume_batch = |batch: &[(Vec<u32>, RayCounts)]| {
             let mut rays = RayCounts::default();

@@ -8,8 +8,8 @@
 
 use glam::Vec3;
 use rayon::prelude::*;
-use saarcor_model::host::{HostImage, Material, Scene, Triangle};
-use saarcor_model::rays::{Kernel, Query, Ray};
+use saarcor_model::host::{HostImage, Kernel, Material, Scene, Triangle};
+use saarcor_model::rays::{Query, Ray};
 use saarcor_oracles::bvh::Bvh;
 use saarcor_scenes::Random;
 use saarcor_scenes::kdbuild::{BuildOptions, build};

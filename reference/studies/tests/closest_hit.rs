@@ -3,9 +3,10 @@
 
 use glam::Vec3;
 use rayon::prelude::*;
-use saarcor_model::host::{Aabb, HostImage, Scene};
+use saarcor_fast::adaptive::FilteredIntersection;
+use saarcor_model::host::{Aabb, HostImage, Kernel, Scene};
 use saarcor_model::rays::{
-    EdgeTriangle, Frame, Hits, Kernel, Packet, PluckerTriangle, ProjectedTriangle, Query, Ray, Traversal,
+    EdgeTriangle, Frame, Hits, Packet, PluckerTriangle, ProjectedTriangle, Query, Ray, Traversal,
     TriangleTest, WatertightTriangle,
 };
 use saarcor_model::vm::{HostAddr, Observed};
@@ -54,7 +55,7 @@ fn random_rays(bounds: Aabb, rays: usize) -> Vec<Ray> {
 
 /// Distance and triangle, by the scene's index, of each ray's closest hit, from packets of `N`.
 fn traverse<const N: usize>(image: &HostImage, rays: &[Ray]) -> Vec<Option<(f32, u32)>> {
-    let mut traversal = Traversal::<N>::default();
+    let mut traversal = Traversal::<N, _>::with(FilteredIntersection::default());
     let mut memory = Observed::by_nobody(FlatMemory::new(&image.bytes));
     let mut found = Vec::new();
     for rays in rays.chunks(N) {

@@ -8,8 +8,9 @@
 
 use glam::Vec3;
 use rayon::prelude::*;
-use saarcor_model::host::{HostImage, KdTree, Node, Scene};
-use saarcor_model::rays::{Kernel, Packet, Query, Ray, Traversal};
+use saarcor_fast::adaptive::FilteredIntersection;
+use saarcor_model::host::{HostImage, KdTree, Kernel, Node, Scene};
+use saarcor_model::rays::{Packet, Query, Ray, Traversal};
 use saarcor_model::vm::{HostAddr, Observed};
 use saarcor_oracles::bvh::Bvh;
 use saarcor_oracles::exact::filter::Estimate;
@@ -135,8 +136,14 @@ fn loses_nothing(name: &str, scene: &Scene, rule: SplitRule, rays: usize) -> u64
         let rays: [Ray; PACKET] = std::array::from_fn(|_| ground.ray(&mut random));
         let packet = Packet::new(rays.map(Some));
         let mut memory = Observed::by_nobody(FlatMemory::new(&image.bytes));
-        let [found, any] = [Query::Closest, Query::Any]
-            .map(|query| Traversal::<PACKET>::default().run(&mut memory, &image.registers, &packet, query));
+        let [found, any] = [Query::Closest, Query::Any].map(|query| {
+            Traversal::<PACKET, _>::with(FilteredIntersection::default()).run(
+                &mut memory,
+                &image.registers,
+                &packet,
+                query,
+            )
+        });
         let fault = |(lane, ray): (usize, &Ray)| {
             let traversed = found.is_hit(lane).then(|| image.triangle_id(HostAddr(found.triangle[lane])));
             // A hit that is one bounds how far there is to look.

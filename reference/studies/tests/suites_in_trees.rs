@@ -7,8 +7,8 @@
 //! cells that the ray does not meet: there each hit that is one, at a distance within 2u of the true one, has to be found.
 
 use rayon::prelude::*;
-use saarcor_model::host::{HostImage, Material, Scene, Triangle};
-use saarcor_model::rays::{Kernel, Query, Ray};
+use saarcor_model::host::{HostImage, Kernel, Material, Scene, Triangle};
+use saarcor_model::rays::{Query, Ray};
 use saarcor_oracles::embree::Hit;
 use saarcor_oracles::exact::rational::nearest_f64;
 use saarcor_oracles::exact::{judge, solve};

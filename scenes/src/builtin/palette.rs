@@ -1,7 +1,7 @@
 //! The materials of a built-in scene and the images that they use.
 
 use glam::{Vec2, Vec3};
-use saarcor_model::host::{Image, Material};
+use saarcor_model::host::{Material, Texture};
 
 use super::mesh::Surface;
 use super::texture::{Sample, color_and_height_images, color_image};
@@ -14,20 +14,20 @@ const IMAGE_DIFFUSE: Vec3 = Vec3::splat(0.8);
 pub struct Palette {
     textured: bool,
     materials: Vec<Material>,
-    images: Vec<Image>,
+    textures: Vec<Texture>,
 }
 
 impl Palette {
     /// An empty palette, whose materials have images and bump maps only if `textured`.
     #[must_use]
     pub fn new(textured: bool) -> Self {
-        Self { textured, materials: Vec::new(), images: Vec::new() }
+        Self { textured, materials: Vec::new(), textures: Vec::new() }
     }
 
-    /// The materials and the images.
+    /// The materials and the textures.
     #[must_use]
-    pub fn into_parts(self) -> (Vec<Material>, Vec<Image>) {
-        (self.materials, self.images)
+    pub fn into_parts(self) -> (Vec<Material>, Vec<Texture>) {
+        (self.materials, self.textures)
     }
 
     /// Adds a material without images; its tile is one unit.
@@ -47,8 +47,8 @@ impl Palette {
     ) -> Surface {
         if self.textured {
             material.diffuse = IMAGE_DIFFUSE;
-            material.texture = Some(self.images.len() as u32);
-            self.images.push(color_image(size, pattern));
+            material.texture = Some(self.textures.len() as u32);
+            self.textures.push(color_image(size, pattern));
         }
         Surface { tile, ..self.plain(material) }
     }
@@ -64,13 +64,13 @@ impl Palette {
         pattern: impl Fn(Vec2) -> Sample + Sync,
     ) -> Surface {
         if self.textured {
-            let next = self.images.len() as u32;
+            let next = self.textures.len() as u32;
             let (colors, heights) = color_and_height_images(size, pattern);
             material.diffuse = IMAGE_DIFFUSE;
             material.texture = Some(next);
             material.bump = Some(next + 1);
             material.bump_height = bump_height;
-            self.images.extend([colors, heights]);
+            self.textures.extend([colors, heights]);
         }
         Surface { tile, ..self.plain(material) }
     }

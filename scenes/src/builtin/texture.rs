@@ -5,7 +5,7 @@
 
 use glam::{IVec2, Vec2, Vec3, vec2};
 use rayon::prelude::*;
-use saarcor_model::host::{Image, TexelFormat};
+use saarcor_model::host::{TexelFormat, Texture};
 
 /// What a pattern gives at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +18,7 @@ pub struct Sample {
 
 /// The colours of a pattern as a square image of `size` texels a side.
 #[must_use]
-pub fn color_image(size: u32, pattern: impl Fn(Vec2) -> Sample + Sync) -> Image {
+pub fn color_image(size: u32, pattern: impl Fn(Vec2) -> Sample + Sync) -> Texture {
     let mut colors = blank(size, TexelFormat::Rgba8);
     colors.texels.par_chunks_exact_mut(size as usize * 4).enumerate().for_each(|(y, row)| {
         for (x, texel) in row.as_chunks_mut().0.iter_mut().enumerate() {
@@ -30,7 +30,7 @@ pub fn color_image(size: u32, pattern: impl Fn(Vec2) -> Sample + Sync) -> Image 
 
 /// The colours and the heights of a pattern, as an image and a bump map of `size` texels a side.
 #[must_use]
-pub fn color_and_height_images(size: u32, pattern: impl Fn(Vec2) -> Sample + Sync) -> (Image, Image) {
+pub fn color_and_height_images(size: u32, pattern: impl Fn(Vec2) -> Sample + Sync) -> (Texture, Texture) {
     let mut colors = blank(size, TexelFormat::Rgba8);
     let mut heights = blank(size, TexelFormat::Height8);
     let color_rows = colors.texels.par_chunks_exact_mut(size as usize * 4);
@@ -46,9 +46,9 @@ pub fn color_and_height_images(size: u32, pattern: impl Fn(Vec2) -> Sample + Syn
     (colors, heights)
 }
 
-fn blank(size: u32, format: TexelFormat) -> Image {
+fn blank(size: u32, format: TexelFormat) -> Texture {
     let bytes = size as usize * size as usize * format.texel_bytes() as usize;
-    Image { width: size, height: size, format, texels: vec![0; bytes] }
+    Texture { width: size, height: size, format, texels: vec![0; bytes] }
 }
 
 /// The middle of a texel in coordinates of the tile; rows run from the top, v runs upwards.

@@ -1,4 +1,4 @@
-//! Image textures and bump maps: which files the materials name, and their texels.
+//! Texture textures and bump maps: which files the materials name, and their texels.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use image::ImageReader;
 use rayon::prelude::*;
-use saarcor_model::host::{Image, Material, TexelFormat};
+use saarcor_model::host::{Material, TexelFormat, Texture};
 
 use crate::error::SceneError;
 use crate::obj::materials::Library;
@@ -84,7 +84,7 @@ impl<'a> Textures<'a> {
     /// # Errors
     ///
     /// For the first image, in the order of the paths, that is missing or broken.
-    pub(crate) fn load(self, materials: &mut [Material]) -> Result<Vec<Image>, SceneError> {
+    pub(crate) fn load(self, materials: &mut [Material]) -> Result<Vec<Texture>, SceneError> {
         let keys: Vec<_> = self.files.keys().collect();
         for (material, key) in &self.users {
             let image = keys.binary_search(&key).ok().map(|index| index as u32);
@@ -144,7 +144,7 @@ fn split_options(rest: &str) -> Result<(f32, &str), String> {
 }
 
 /// Reads an image; its content says of which kind it is.
-fn decode(path: &Path, texels: Texels) -> Result<Image, String> {
+fn decode(path: &Path, texels: Texels) -> Result<Texture, String> {
     let bytes = read_bytes(path).map_err(|error| error.to_string())?;
     let broken = |error: &dyn std::fmt::Display| {
         let reason = error.to_string().replace('\n', " ");
@@ -160,5 +160,5 @@ fn decode(path: &Path, texels: Texels) -> Result<Image, String> {
         Texels::Colours => (TexelFormat::Rgba8, decoded.into_rgba8().into_raw()),
         Texels::Heights => (TexelFormat::Height8, decoded.into_luma8().into_raw()),
     };
-    Ok(Image { width, height, format, texels })
+    Ok(Texture { width, height, format, texels })
 }

@@ -39,10 +39,10 @@ fn assert_images_sound(scene: &Scene) {
         used_materials[triangle.material as usize] = true;
     }
     assert!(used_materials.iter().all(|&used| used), "unused materials: {used_materials:?}");
-    let mut used = vec![false; scene.images.len()];
+    let mut used = vec![false; scene.textures.len()];
     let mut expect = |image: Option<u32>, format: TexelFormat| {
         if let Some(image) = image {
-            assert_eq!(scene.images[image as usize].format, format);
+            assert_eq!(scene.textures[image as usize].format, format);
             used[image as usize] = true;
         }
     };
@@ -51,11 +51,11 @@ fn assert_images_sound(scene: &Scene) {
         expect(*bump, TexelFormat::Height8);
     }
     assert!(used.iter().all(|&used| used), "unused images: {used:?}");
-    for image in &scene.images {
+    for image in &scene.textures {
         let texels = image.width as usize * image.height as usize;
         assert_eq!(image.texels.len(), texels * image.format.texel_bytes() as usize);
     }
-    assert_eq!(scene.images.is_empty(), scene.tex_coords.is_empty(), "images without coordinates");
+    assert_eq!(scene.textures.is_empty(), scene.tex_coords.is_empty(), "images without coordinates");
 }
 
 /// The number of triangles whose three corners are, in some order, those of another one.
@@ -77,7 +77,7 @@ fn duplicates(scene: &Scene) -> usize {
 
 /// The bytes of all images.
 pub fn image_bytes(scene: &Scene) -> usize {
-    scene.images.iter().map(|image| image.texels.len()).sum()
+    scene.textures.iter().map(|image| image.texels.len()).sum()
 }
 
 /// A hash of all that the scene is.
@@ -90,7 +90,7 @@ pub fn fingerprint(scene: &Scene) -> u64 {
     for corners in &scene.tex_coords {
         corners.map(|t| t.to_array().map(f32::to_bits)).hash(&mut hash);
     }
-    for image in &scene.images {
+    for image in &scene.textures {
         image.texels.hash(&mut hash);
     }
     format!("{:?} {:?} {:?}", scene.materials, scene.lights, scene.path).hash(&mut hash);

@@ -7,7 +7,7 @@ use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
 use crate::table::{Column, Table};
 use anyhow::{Context, Result, ensure};
-use saarcor_model::rays::Kernel;
+use saarcor_model::host::Kernel;
 use saarcor_studies::StudyError;
 use saarcor_studies::accuracy::case::Found;
 use saarcor_studies::accuracy::contest::{Contestant, Format};

@@ -7,7 +7,7 @@ use crate::status::Status;
 use crate::table::{Column, Table};
 use anyhow::{Context, Result};
 use glam::Vec3;
-use saarcor_model::rays::Kernel;
+use saarcor_model::host::Kernel;
 use saarcor_oracles::embree::{ENVIRONMENTS, Embree};
 use saarcor_studies::crosscheck::judge::CaseRow;
 use saarcor_studies::crosscheck::rays::{Question, questions};

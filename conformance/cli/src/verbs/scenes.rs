@@ -95,7 +95,7 @@ impl SceneRow {
             scene: name,
             triangles: scene.triangles.len(),
             lights: scene.lights.len(),
-            texture_bytes: scene.images.iter().map(|image| image.texels.len() as u64).sum(),
+            texture_bytes: scene.textures.iter().map(|image| image.texels.len() as u64).sum(),
             frames: scene.path.len(),
             needs: needs.map(|need| need.0).collect(),
             features,

@@ -4,10 +4,9 @@ use super::request::{push_bounds, push_write};
 use super::scene_memory::LegalScene;
 use glam::Vec3;
 use saarcor_model::host::{
-    Aabb, Axis, HostImage, KdTree, Material, NODE_BYTES, Node, REGION_ALIGNMENT, Scene as ModelScene,
+    Aabb, Axis, HostImage, KdTree, Kernel, Material, NODE_BYTES, Node, REGION_ALIGNMENT, Scene as ModelScene,
     TRIANGLE_BYTES, Triangle,
 };
-use saarcor_model::rays::Kernel;
 use saarcor_random::Random;
 
 /// Triangles of a cell that is not cut.

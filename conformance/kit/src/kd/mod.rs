@@ -1,6 +1,5 @@
 //! `saarcor-kd`: the traversal and intersection units, for one ray at a time.
 
-pub mod bound;
 mod compare;
 mod coverage;
 pub mod generated_scene;

@@ -7,7 +7,8 @@ use crate::error::Error;
 use crate::hex;
 use crate::implementation::Implementation;
 use crate::kind::Oracle;
-use saarcor_model::rays::{Kernel, Query, Ray};
+use saarcor_model::host::Kernel;
+use saarcor_model::rays::{Query, Ray};
 use saarcor_oracles::exact::rational::nearest_f32;
 use saarcor_oracles::exact::{closest, solve};
 

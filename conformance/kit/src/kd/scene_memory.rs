@@ -6,10 +6,9 @@ use crate::hex;
 use crate::words::{Choices, Values};
 use glam::Vec3;
 use saarcor_model::host::{
-    Aabb, Features, KdTree, LIST_ENTRY_BYTES, ListEntry, NODE_BYTES, Node, NodeRecord, Registers,
+    Aabb, Features, KdTree, Kernel, LIST_ENTRY_BYTES, ListEntry, NODE_BYTES, Node, NodeRecord, Registers,
     TRIANGLE_BYTES, Triangle,
 };
-use saarcor_model::rays::Kernel;
 use saarcor_model::vm::{HostAddr, HostMemory as _};
 use std::collections::{BTreeMap, VecDeque};
 

@@ -1,17 +1,18 @@
 //! What is true of a ray: which answers are right.
 //!
 //! With the adaptive test an answer has to be exact. With the others, each triangle has a distance and
-//! weights with a derived bound ([`super::bound`]), by which it is hit, missed, or in doubt. Right is then
+//! weights with a derived bound ([`saarcor_oracles::bounded`]), by which it is hit, missed, or in doubt. Right is then
 //! a triangle that is not missed, at its distance, if none that is hit is certainly nearer; and no hit, if
 //! none is hit.
 
-use super::bound::Bounded;
 use super::request::Hit;
 use super::scene_memory::LegalScene;
 use glam::Vec3;
+use saarcor_model::host::Kernel;
 use saarcor_model::rays::{
-    Candidate, EdgeTriangle, Kernel, Number, PluckerTriangle, Ray, TriangleTest, WatertightTriangle,
+    Candidate, EdgeTriangle, Number, PluckerTriangle, Ray, TriangleTest, WatertightTriangle,
 };
+use saarcor_oracles::bounded::Bounded;
 use saarcor_oracles::exact::rational::nearest_f64;
 use saarcor_oracles::exact::{closest, solve};
 
@@ -76,7 +77,7 @@ impl Truth {
         let known = first.and_then(|(place, _)| {
             let corners = scene.corners[place as usize];
             let point = solve(ray, &corners)?;
-            let [t, u, v] = [point.t, point.u, point.v].map(|number| Bounded::nearly(nearest_f64(&number)));
+            let [t, u, v] = [point.t, point.u, point.v].map(|number| <Bounded>::nearly(nearest_f64(&number)));
             Some(PossibleHit { addr: scene.addresses[place as usize], corners, t, u, v, hit: true })
         });
         Self { candidates: known.into_iter().collect() }
@@ -144,7 +145,7 @@ impl PossibleHit {
         if t.is_undefined() {
             return None;
         }
-        let weights = [u, v, Bounded::ONE - (u + v)];
+        let weights = [u, v, <Bounded>::ONE - (u + v)];
         let (t_min, t_max) = (f64::from(ray.t_min), f64::from(ray.t_max));
         let outside = weights.iter().any(|weight| weight.is_below(0.0));
         if outside || t.is_below(t_min) || t.is_at_least(t_max) {

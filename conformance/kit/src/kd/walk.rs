@@ -2,10 +2,13 @@
 //! shown, and what is counted as coverage.
 
 use super::scene_memory::LegalScene;
-use saarcor_model::host::{Axis, LIST_ENTRY_BYTES, ListEntry, MAX_DEPTH, NODE_BYTES, NodeRecord};
+use saarcor_fast::adaptive::FilteredIntersection;
+use saarcor_model::host::{
+    Axis, LIST_ENTRY_BYTES, ListEntry, MAX_DEPTH, NODE_BYTES, NodeRecord, TriangleRecord,
+};
 use saarcor_model::rays::{
-    Children, Hits, Packet, Prepared, Query, Ray, Stack, Traversal, is_downwards, max, min, reciprocal,
-    visit, widen,
+    Children, Hits, IntersectionUnit, Intervals, Packet, Query, Ray, Stack, StoredTriangle, Traversal,
+    is_downwards, max, min, reciprocal, visit, widen,
 };
 use saarcor_model::vm::{HostAddr, Memory, Observed, Observer, Unit, WholeScene};
 
@@ -24,7 +27,8 @@ impl Observer for Reads {
 pub fn trace(memory: &[u8], scene: &LegalScene, ray: &Ray, query: Query) -> (Hits<1>, Vec<(Unit, u32)>) {
     let mut memory = Observed { memory: WholeScene(memory), observer: Reads::default() };
     let packet = Packet::new([Some(*ray)]);
-    let hits = Traversal::default().run(&mut memory, &scene.registers, &packet, query);
+    let hits =
+        Traversal::with(FilteredIntersection::default()).run(&mut memory, &scene.registers, &packet, query);
     (hits, memory.observer.0)
 }
 
@@ -80,6 +84,7 @@ pub fn steps(memory: &[u8], scene: &LegalScene, ray: &Ray) -> Vec<Step> {
     let mut memory = WholeScene(memory);
     let packet = Packet::new([Some(*ray)]);
     let mut hits = Hits::none(&packet);
+    let mut unit = FilteredIntersection::default();
     let reciprocals = reciprocals(scene, ray);
     let mut stack = Stack::<Visit, MAX_DEPTH>::new((HostAddr(0), (0.0, 0.0)));
     stack.begin((scene.registers.root, in_bounds(scene, ray, &reciprocals)));
@@ -112,8 +117,10 @@ pub fn steps(memory: &[u8], scene: &LegalScene, ray: &Ray) -> Vec<Step> {
             let entry = memory.fetch(Unit::List, list.offset(entry * LIST_ENTRY_BYTES));
             let ListEntry { triangle, tag } = ListEntry::decode(entry);
             let before = hits.triangle[0];
-            Prepared::decode(scene.registers.kernel, tag, memory.fetch(Unit::Intersection, triangle))
-                .intersect_packet(triangle.0, &packet, (&[enter], &[leave]), Query::Closest, &mut hits);
+            let record = TriangleRecord::decode(memory.fetch(Unit::Intersection, triangle), tag);
+            let stored = StoredTriangle { addr: triangle, kernel: scene.registers.kernel, record };
+            let cell = Intervals { enter: [enter], leave: [leave] };
+            unit.intersect(&stored, &packet, &cell, Query::Closest, &mut hits);
             let taken = hits.triangle[0] != before;
             steps.push(Step::Test { addr: triangle.0, taken, replaces: before != Hits::<1>::NOTHING });
         }

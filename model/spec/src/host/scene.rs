@@ -1,5 +1,4 @@
-//! The scene as the application holds it, before it is laid out in host memory, and what of the
-//! chip it needs.
+//! The scene as the application holds it, before the driver lays it out in host memory.
 //!
 //! §2 names what a surface can have: extended Phong shading, an image texture and a bump map, and
 //! shadows, reflections and refractions by new rays (Stated). The parameters of each are Assumed
@@ -28,7 +27,7 @@ impl Triangle {
     }
 }
 
-/// The format of an [`Image`]'s texels.
+/// The format of a [`Texture`]'s texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TexelFormat {
     /// Four bytes a texel: red, green, blue, alpha; linear, 255 is 1.0.
@@ -50,7 +49,7 @@ impl TexelFormat {
 
 /// An image texture or a bump map. It tiles in both directions.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Image {
+pub struct Texture {
     /// Texels a row, at least 1.
     pub width: u32,
     /// Rows, at least 1.
@@ -76,9 +75,9 @@ pub struct Material {
     pub refraction: f32,
     /// Index of refraction behind the surface (MTL `Ni`).
     pub index_of_refraction: f32,
-    /// Image texture that multiplies `diffuse`: index into [`Scene::images`], [`TexelFormat::Rgba8`].
+    /// Image texture that multiplies `diffuse`: index into [`Scene::textures`], [`TexelFormat::Rgba8`].
     pub texture: Option<u32>,
-    /// Bump map: index into [`Scene::images`], [`TexelFormat::Height8`].
+    /// Bump map: index into [`Scene::textures`], [`TexelFormat::Height8`].
     pub bump: Option<u32>,
     /// Height, in texels, that the bump map's 1.0 stands for.
     pub bump_height: f32,
@@ -135,58 +134,11 @@ pub struct Scene {
     /// The materials; every triangle's index lies inside.
     pub materials: Vec<Material>,
     /// Image textures and bump maps.
-    pub images: Vec<Image>,
+    pub textures: Vec<Texture>,
     /// The lights; none means that surfaces show their own colour (suffix `nl` of Table 1).
     pub lights: Vec<Light>,
     /// The camera path, a camera a frame.
     pub path: Vec<Camera>,
     /// Whether textures and bump maps are stored with the coarser levels of their mip maps.
     pub mip_maps: bool,
-}
-
-/// What of the chip a scene needs. What it does not need is neither in the host image, nor read,
-/// nor computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Features {
-    /// Some triangle's material has an image texture.
-    pub textures: bool,
-    /// Some triangle's material has a bump map.
-    pub bump_maps: bool,
-    /// Textures and bump maps have coarser levels.
-    pub mip_maps: bool,
-    /// The number of lights: shadow rays a hit.
-    pub lights: u32,
-    /// Some triangle has normals of its own at its corners, so that shading interpolates them.
-    pub smooth_normals: bool,
-    /// Some triangle's material has a highlight, and there is a light to cause it.
-    pub highlights: bool,
-    /// Some triangle's material reflects.
-    pub reflection: bool,
-    /// Some triangle's material refracts.
-    pub refraction: bool,
-}
-
-/// Computes what of the chip the scene needs, from the materials that its triangles use.
-#[must_use]
-pub fn features(scene: &Scene) -> Features {
-    let mut used = vec![false; scene.materials.len()];
-    for triangle in &scene.triangles {
-        used[triangle.material as usize] = true;
-    }
-    let any = |wants: fn(&Material) -> bool| {
-        scene.materials.iter().zip(&used).any(|(material, used)| *used && wants(material))
-    };
-    let mapped = !scene.tex_coords.is_empty();
-    let textures = mapped && any(|m| m.texture.is_some());
-    let bump_maps = mapped && any(|m| m.bump.is_some() && m.bump_height != 0.0);
-    Features {
-        textures,
-        bump_maps,
-        mip_maps: scene.mip_maps && (textures || bump_maps),
-        lights: scene.lights.len() as u32,
-        smooth_normals: !scene.normals.is_empty(),
-        highlights: !scene.lights.is_empty() && any(|m| m.specular != Vec3::ZERO),
-        reflection: any(|m| m.reflection > 0.0),
-        refraction: any(|m| m.refraction > 0.0),
-    }
 }

@@ -2,7 +2,7 @@
 //! Stated). How it is built is not the chip's concern.
 
 use glam::Vec3;
-use std::fmt;
+use thiserror::Error;
 
 /// Most inner nodes on a path from the root to a leaf: entries of the traversal unit's stack
 /// (Assumed).
@@ -85,18 +85,22 @@ pub struct KdTree {
 }
 
 /// What is wrong with a kd-tree.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum KdTreeError {
     /// There is no root.
+    #[error("kd-tree without a root node")]
     NoNodes,
     /// The box is not finite, or its corners are in the wrong order.
+    #[error("kd-tree in the box {} .. {}: it must be finite", .0.min, .0.max)]
     Bounds(Aabb),
     /// A split plane is not at a finite coordinate.
+    #[error("kd-node {node}: the split plane must be finite")]
     Split {
         /// The node's index.
         node: u32,
     },
     /// Children lie outside of the tree, or before their parent.
+    #[error("kd-node {node}: children at {children}: they must follow their parent inside the tree")]
     Children {
         /// The parent's index.
         node: u32,
@@ -104,16 +108,19 @@ pub enum KdTreeError {
         children: u32,
     },
     /// A node is no child of any, or of more than one.
+    #[error("kd-node {node}: each node but the root must have one parent")]
     Parents {
         /// The node's index.
         node: u32,
     },
     /// A leaf's list lies outside of [`KdTree::refs`].
+    #[error("kd-leaf {node}: its list lies outside of the lists")]
     List {
         /// The leaf's index.
         node: u32,
     },
     /// A list names a triangle that the scene does not have.
+    #[error("list entry {place}: the scene has no triangle {triangle}")]
     Triangle {
         /// Place in [`KdTree::refs`].
         place: u32,
@@ -121,37 +128,12 @@ pub enum KdTreeError {
         triangle: u32,
     },
     /// A leaf lies deeper than [`MAX_DEPTH`].
+    #[error("kd-node {node}: deeper than {MAX_DEPTH}")]
     Depth {
         /// The node's index.
         node: u32,
     },
 }
-
-impl fmt::Display for KdTreeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::NoNodes => write!(f, "kd-tree without a root node"),
-            Self::Bounds(b) => write!(f, "kd-tree in the box {} .. {}: it must be finite", b.min, b.max),
-            Self::Split { node } => write!(f, "kd-node {node}: the split plane must be finite"),
-            Self::Children { node, children } => {
-                write!(
-                    f,
-                    "kd-node {node}: children at {children}: they must follow their parent inside the tree"
-                )
-            }
-            Self::Parents { node } => {
-                write!(f, "kd-node {node}: each node but the root must have one parent")
-            }
-            Self::List { node } => write!(f, "kd-leaf {node}: its list lies outside of the lists"),
-            Self::Triangle { place, triangle } => {
-                write!(f, "list entry {place}: the scene has no triangle {triangle}")
-            }
-            Self::Depth { node } => write!(f, "kd-node {node}: deeper than {MAX_DEPTH}"),
-        }
-    }
-}
-
-impl std::error::Error for KdTreeError {}
 
 impl KdTree {
     /// Whether the chip may be given this tree over `triangles` triangles (KD-2): a traversal of
@@ -164,7 +146,7 @@ impl KdTree {
         if !min.is_finite() || !max.is_finite() || !min.cmple(max).all() {
             return Err(KdTreeError::Bounds(self.bounds));
         }
-        check_nodes(&self.nodes, self.refs.len(), MAX_DEPTH, &mut vec![0; self.nodes.len()])?;
+        check_nodes(&self.nodes, self.refs.len(), MAX_DEPTH)?;
         match self.refs.iter().position(|&triangle| triangle as usize >= triangles) {
             Some(place) => Err(KdTreeError::Triangle { place: place as u32, triangle: self.refs[place] }),
             None => Ok(()),
@@ -173,25 +155,22 @@ impl KdTree {
 }
 
 /// Whether `nodes` are a tree, the root first, over lists of `refs` entries together, with at most
-/// `deepest` inner nodes on a path (KD-2). `levels` is room for one number a node, all 0.
+/// `deepest` inner nodes on a path (KD-2).
+///
+/// Parents come before their children, so one pass meets every node after its parent, and no cycle
+/// can be closed.
 ///
 /// # Errors
 /// The first fault found.
 ///
 /// # Panics
-/// If `levels` is shorter than `nodes`, or `deepest` is more than 254.
-pub fn check_nodes(
-    nodes: &[Node],
-    refs: usize,
-    deepest: usize,
-    levels: &mut [u8],
-) -> Result<(), KdTreeError> {
+/// If `deepest` is more than 254.
+pub fn check_nodes(nodes: &[Node], refs: usize, deepest: usize) -> Result<(), KdTreeError> {
     if nodes.is_empty() {
         return Err(KdTreeError::NoNodes);
     }
-    // The level of each node, from 1 at the root on; 0 where no parent was met yet. Parents come
-    // before their children, so one pass meets every node after its parent, and no cycle can be
-    // closed.
+    // The level of each node, from 1 at the root on; 0 where no parent was met yet.
+    let mut levels = vec![0_u8; nodes.len()];
     levels[0] = 1;
     for (node, &record) in (0_u32..).zip(nodes) {
         let level = levels[node as usize];

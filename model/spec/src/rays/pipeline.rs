@@ -2,6 +2,7 @@
 //! core of traversal, list and intersection.
 
 use super::camera::{Frame, ray_from_surface};
+use super::intersection::{Intersection, IntersectionUnit};
 use super::ray::{Packet, Query, Ray};
 use super::shading::{BACKGROUND, Cones, Surface, surfaces};
 use super::traversal::Traversal;
@@ -42,13 +43,13 @@ pub const LEAST_PART: f32 = 1.0 / 256.0;
 
 /// A pipeline for packets of `N` rays.
 #[derive(Clone, Debug)]
-pub struct Pipeline<const N: usize> {
+pub struct Pipeline<const N: usize, I = Intersection<N>> {
     /// Reflections and refractions follow one another up to this many times (RG-4). At the last
     /// surface their part of the light is left to the surface's own colour.
     pub max_bounces: u32,
     /// What was traced so far.
     pub rays: RayCounts,
-    traversal: Traversal<N>,
+    traversal: Traversal<N, I>,
 }
 
 impl<const N: usize> Pipeline<N> {
@@ -58,7 +59,15 @@ impl<const N: usize> Pipeline<N> {
     /// A pipeline that has traced nothing yet.
     #[must_use]
     pub fn new(max_bounces: u32) -> Self {
-        Self { max_bounces, rays: RayCounts::default(), traversal: Traversal::default() }
+        Self::with(Intersection::default(), max_bounces)
+    }
+}
+
+impl<const N: usize, I: IntersectionUnit<N>> Pipeline<N, I> {
+    /// A pipeline with another intersection unit than that of this specification.
+    #[must_use]
+    pub fn with(intersection: I, max_bounces: u32) -> Self {
+        Self { max_bounces, rays: RayCounts::default(), traversal: Traversal::with(intersection) }
     }
 
     /// Makes one packet of a picture: the colours of its pixels, in the order of

@@ -1,6 +1,6 @@
 //! Rays, and packets of them (§2: rays are worked on in packets, by all units).
 
-use super::intersection::AdaptiveHit;
+use crate::vm::HostAddr;
 use glam::Vec3;
 
 /// A ray: the points `origin + t · direction` with `t_min ≤ t < t_max`.
@@ -58,7 +58,6 @@ impl<const N: usize> Packet<N> {
     }
 
     /// Whether the ray in `lane` takes part.
-    #[inline]
     #[must_use]
     pub fn is_active(&self, lane: usize) -> bool {
         self.t_min[lane] <= self.t_max[lane]
@@ -71,7 +70,6 @@ impl<const N: usize> Packet<N> {
     }
 
     /// The ray in `lane`.
-    #[inline(always)]
     #[must_use]
     pub fn ray(&self, lane: usize) -> Ray {
         Ray {
@@ -83,14 +81,12 @@ impl<const N: usize> Packet<N> {
     }
 
     /// The origin of the ray in `lane`.
-    #[inline]
     #[must_use]
     pub fn origin(&self, lane: usize) -> Vec3 {
         Vec3::new(self.origin[0][lane], self.origin[1][lane], self.origin[2][lane])
     }
 
     /// The direction of the ray in `lane`.
-    #[inline]
     #[must_use]
     pub fn direction(&self, lane: usize) -> Vec3 {
         Vec3::new(self.direction[0][lane], self.direction[1][lane], self.direction[2][lane])
@@ -108,36 +104,6 @@ pub struct Hits<const N: usize> {
     pub v: [f32; N],
     /// Host address of the triangle; [`Hits::NOTHING`] where nothing was hit.
     pub triangle: [u32; N],
-    /// What the adaptive test keeps of that triangle; of no meaning with other tests.
-    pub kept: [KeptTriangle; N],
-}
-
-/// What decides exactly which of two hits is nearer.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct KeptTriangle {
-    corners: [Vec3; 3],
-    /// By how much the distance, as rounded to f32, may be off.
-    t_error: f32,
-}
-
-impl KeptTriangle {
-    /// Of no triangle.
-    const NONE: Self = Self { corners: [Vec3::ZERO; 3], t_error: 0.0 };
-
-    /// Of the triangle of a hit.
-    #[must_use]
-    pub fn new(hit: &AdaptiveHit) -> Self {
-        let error = hit.t_error + (hit.t - f64::from(hit.t as f32)).abs();
-        // Two roundings: of the sum, and to f32.
-        Self { corners: *hit.corners, t_error: (error as f32).next_up().next_up() }
-    }
-
-    /// The hit again, at the distance that it was rounded to.
-    #[must_use]
-    pub fn hit(&self, t: f32) -> AdaptiveHit<'_> {
-        let t_error = f64::from(self.t_error);
-        AdaptiveHit { t: f64::from(t), u: 0.0, v: 0.0, t_error, corners: &self.corners }
-    }
 }
 
 impl<const N: usize> Hits<N> {
@@ -147,20 +113,20 @@ impl<const N: usize> Hits<N> {
     /// No hits yet for the rays of `packet`.
     #[must_use]
     pub fn none(packet: &Packet<N>) -> Self {
-        Self {
-            t: packet.t_max,
-            u: [0.0; N],
-            v: [0.0; N],
-            triangle: [Self::NOTHING; N],
-            kept: [KeptTriangle::NONE; N],
-        }
+        Self { t: packet.t_max, u: [0.0; N], v: [0.0; N], triangle: [Self::NOTHING; N] }
     }
 
     /// Whether the ray in `lane` hit something.
-    #[inline]
     #[must_use]
     pub fn is_hit(&self, lane: usize) -> bool {
         self.triangle[lane] != Self::NOTHING
+    }
+
+    /// Keeps a hit of the ray in `lane`, on the triangle at `addr`. For [`Query::Any`] it is at minus
+    /// infinity: nothing is nearer, so that the ray needs no other.
+    pub fn keep(&mut self, lane: usize, addr: HostAddr, [t, u, v]: [f32; 3], query: Query) {
+        self.t[lane] = if query == Query::Any { f32::NEG_INFINITY } else { t };
+        (self.u[lane], self.v[lane], self.triangle[lane]) = (u, v, addr.0);
     }
 }
 

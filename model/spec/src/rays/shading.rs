@@ -5,7 +5,8 @@
 //! linear space takes place.
 
 use super::ray::{Hits, Packet};
-use crate::host::{Features, Light, MaterialRecord, Registers, ShadingRecord, sample_colour, sample_slope};
+use super::texel::{sample_colour, sample_slope};
+use crate::host::{Features, Light, MaterialRecord, Registers, ShadingRecord};
 use crate::vm::{HostAddr, Memory, Observed, Observer, Unit};
 use glam::{Vec2, Vec3};
 

@@ -2,10 +2,12 @@
 
 use super::case::{Case, Found};
 use crate::names::{Names, name_of};
+use saarcor_fast::adaptive::{AdaptiveHit, AdaptiveRay, AdaptiveTriangle};
+use saarcor_model::host::Kernel;
 use saarcor_model::rays::{
-    AdaptiveHit, AdaptiveRay, AdaptiveTriangle, Bf16, Candidate, EdgeTriangle, F16, F24, Kernel, Number,
-    PluckerTriangle, ProjectedTriangle, Ray, TriangleTest, WatertightTriangle,
+    Candidate, EdgeTriangle, PluckerTriangle, ProjectedTriangle, Ray, TriangleTest, WatertightTriangle,
 };
+use saarcor_oracles::formats::{self, Bf16, Double, F16, F24};
 use std::cmp::Ordering;
 use std::hint::black_box;
 use std::time::Instant;
@@ -80,7 +82,7 @@ impl Contestant {
     pub fn run(self, cases: &[Case], repeats: u32) -> (Vec<Option<Found>>, f64) {
         match self.format {
             _ if self.kernel == Kernel::Adaptive => run_adaptive(cases, repeats),
-            Format::F64 => run_kernel::<f64>(self.kernel, cases, repeats),
+            Format::F64 => run_kernel::<Double>(self.kernel, cases, repeats),
             Format::F32 => run_kernel::<f32>(self.kernel, cases, repeats),
             Format::F24 => run_kernel::<F24>(self.kernel, cases, repeats),
             Format::Bf16 => run_kernel::<Bf16>(self.kernel, cases, repeats),
@@ -89,7 +91,7 @@ impl Contestant {
     }
 }
 
-fn run_kernel<R: Number>(kernel: Kernel, cases: &[Case], repeats: u32) -> (Vec<Option<Found>>, f64) {
+fn run_kernel<R: formats::Format>(kernel: Kernel, cases: &[Case], repeats: u32) -> (Vec<Option<Found>>, f64) {
     match kernel {
         Kernel::MollerTrumbore => run_test::<R, EdgeTriangle<R>>(cases, repeats),
         Kernel::Wald => run_test::<R, ProjectedTriangle<R>>(cases, repeats),
@@ -136,7 +138,10 @@ impl<P, T, H: Copy> Prepared<P, T, H> {
 }
 
 /// The nearest hit within the ray's range; of two at the same distance the first (IS-2).
-fn run_test<R: Number, T: TriangleTest<R>>(cases: &[Case], repeats: u32) -> (Vec<Option<Found>>, f64) {
+fn run_test<R: formats::Format, T: TriangleTest<R>>(
+    cases: &[Case],
+    repeats: u32,
+) -> (Vec<Option<Found>>, f64) {
     let ray = |ray: &Ray| {
         let from = T::ray(ray.origin.to_array(), ray.direction.to_array());
         (from, R::from_f32(ray.t_min), R::from_f32(ray.t_max))
@@ -177,8 +182,8 @@ fn run_adaptive(cases: &[Case], repeats: u32) -> (Vec<Option<Found>>, f64) {
         }
         nearest.map(|(place, hit)| (place, hit.rounded()))
     });
-    let found = |hit: Option<(u32, Candidate)>| {
-        hit.map(|(triangle, Candidate { t, u, v, .. })| Found {
+    let found = |hit: Option<(u32, [f32; 3])>| {
+        hit.map(|(triangle, [t, u, v])| Found {
             triangle,
             t: f64::from(t),
             weights: [f64::from(u), f64::from(v)],

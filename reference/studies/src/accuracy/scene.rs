@@ -7,8 +7,9 @@ use crate::error::{ParseError, StudyError};
 use crate::world::World;
 use glam::Vec3;
 use rayon::prelude::*;
-use saarcor_model::host::TRIANGLE_BYTES;
-use saarcor_model::rays::{Frame, Hits, Kernel, Packet, Query, Ray, Traversal};
+use saarcor_fast::adaptive::FilteredIntersection;
+use saarcor_model::host::{Kernel, TRIANGLE_BYTES};
+use saarcor_model::rays::{Frame, Hits, Packet, Query, Ray, Traversal};
 use saarcor_model::vm::{HostAddr, Observed, Observer, Unit, WholeScene};
 use saarcor_scenes::Random;
 use std::str::FromStr;
@@ -81,7 +82,12 @@ pub fn cases(world: &World, rays: u64, seed: u64) -> Result<Vec<Case>, StudyErro
 fn tested(world: &World, ray: &Ray) -> Vec<[Vec3; 3]> {
     let mut memory = Observed { memory: WholeScene(&world.image.bytes), observer: Triangles::default() };
     let packet = Packet::new([Some(*ray)]);
-    let _: Hits<1> = Traversal::default().run(&mut memory, &world.image.registers, &packet, Query::Closest);
+    let _: Hits<1> = Traversal::with(FilteredIntersection::default()).run(
+        &mut memory,
+        &world.image.registers,
+        &packet,
+        Query::Closest,
+    );
     let mut triangles = std::mem::take(&mut memory.observer.0);
     triangles.sort_unstable();
     triangles.dedup();

@@ -2,8 +2,8 @@
 
 use super::rays::{Kind, Question};
 use glam::Vec3;
-use saarcor_model::host::HostImage;
-use saarcor_model::rays::{Kernel, Ray};
+use saarcor_model::host::{HostImage, Kernel};
+use saarcor_model::rays::Ray;
 use saarcor_oracles::bvh::Bvh;
 use saarcor_oracles::embree::{Hit, distance_bound};
 use saarcor_oracles::exact::filter::{Distance, Estimate};

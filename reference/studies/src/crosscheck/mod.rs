@@ -15,8 +15,10 @@ use glam::Vec3;
 use judge::{Answers, Case, Class, Fault, Judge};
 use rayon::prelude::*;
 use rays::{Kind, Question, hit, traverse};
+use saarcor_fast::adaptive::FilteredIntersection;
 use saarcor_model::host::{HostImage, TRIANGLE_BYTES};
-use saarcor_model::rays::{Hits, Packet, Prepared, Query, Ray};
+use saarcor_model::rays::{Hits, IntersectionUnit, Intervals, Packet, Query, Ray, StoredTriangle};
+use saarcor_model::vm::HostAddr;
 use saarcor_oracles::embree::{Embree, Hit};
 use serde::Serialize;
 use std::ops::AddAssign;
@@ -180,16 +182,17 @@ pub fn crosscheck(
 /// What the model's triangle test hits first among all triangles of the image, without a tree.
 #[must_use]
 pub fn search(image: &HostImage, triangles: &[[Vec3; 3]], rays: &[Ray]) -> Vec<Option<Hit>> {
-    let corners = |id: &u32| triangles[*id as usize];
-    let prepare = |id| Prepared::new(image.registers.kernel, &corners(id));
-    let prepared: Vec<Prepared> = image.triangle_ids.iter().map(prepare).collect();
     let first = image.registers.triangles.0;
+    let stored = (first..).step_by(TRIANGLE_BYTES as usize).zip(&image.triangle_ids).map(|(addr, &id)| {
+        StoredTriangle::new(HostAddr(addr), image.registers.kernel, &triangles[id as usize])
+    });
+    let stored: Vec<StoredTriangle> = stored.collect();
     let found = rays.par_chunks(SEARCH_PACKET).flat_map_iter(|rays| {
         let packet: Packet<SEARCH_PACKET> = Packet::new(std::array::from_fn(|lane| rays.get(lane).copied()));
-        let mut hits = Hits::none(&packet);
-        for (addr, triangle) in (first..).step_by(TRIANGLE_BYTES as usize).zip(&prepared) {
-            let everywhere = (&packet.t_min, &packet.t_max);
-            triangle.intersect_packet(addr, &packet, everywhere, Query::Closest, &mut hits);
+        let (mut unit, mut hits) = (FilteredIntersection::default(), Hits::none(&packet));
+        let everywhere = Intervals { enter: packet.t_min, leave: packet.t_max };
+        for triangle in &stored {
+            unit.intersect(triangle, &packet, &everywhere, Query::Closest, &mut hits);
         }
         (0..rays.len()).map(move |lane| hit(image, &hits, lane))
     });

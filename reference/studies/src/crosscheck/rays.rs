@@ -4,6 +4,7 @@ use crate::standard::RESOLUTION;
 use crate::world::World;
 use glam::Vec3;
 use rayon::prelude::*;
+use saarcor_fast::adaptive::FilteredIntersection;
 use saarcor_model::host::{Aabb, HostImage};
 use saarcor_model::rays::{Cones, Frame, Hits, Packet, Query, Ray, Traversal, shadow_ray, surfaces};
 use saarcor_model::vm::{HostAddr, Observed, WholeScene};
@@ -101,7 +102,7 @@ fn shadow_rays(world: &World, primary: &[Ray], random: &mut Random) -> Vec<Ray> 
         .par_chunks(BATCH)
         .flat_map_iter(|rays| {
             let mut memory = Observed::by_nobody(WholeScene(&world.image.bytes));
-            let mut traversal = Traversal::<PACKET>::default();
+            let mut traversal = Traversal::<PACKET, _>::with(FilteredIntersection::default());
             let surfaces = rays.chunks(PACKET).map(move |rays| {
                 let packet = packet(rays);
                 let hits = traversal.run(&mut memory, registers, &packet, Query::Closest);
@@ -177,7 +178,7 @@ pub fn traverse(image: &HostImage, rays: &[Ray], query: Query) -> Vec<Option<Hit
     rays.par_chunks(BATCH)
         .flat_map_iter(|rays| {
             let mut memory = Observed::by_nobody(WholeScene(&image.bytes));
-            let mut traversal = Traversal::<PACKET>::default();
+            let mut traversal = Traversal::<PACKET, _>::with(FilteredIntersection::default());
             let answers = rays.chunks(PACKET).flat_map(move |rays| {
                 let hits = traversal.run(&mut memory, &image.registers, &packet(rays), query);
                 (0..rays.len()).map(move |lane| hit(image, &hits, lane))

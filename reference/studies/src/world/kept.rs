@@ -313,14 +313,14 @@ mod tests {
 
     /// A scene that is worth keeping, and needs files of all kinds.
     fn export(folder: &Path) -> PathBuf {
-        let Scene { mut triangles, materials, images, lights, path, mut tex_coords, mut normals, mip_maps } =
+        let Scene { mut triangles, materials, textures, lights, path, mut tex_coords, mut normals, mip_maps } =
             builtin("pquake3").expect("a scene");
-        assert!(triangles.len() > LEAST_TRIANGLES && !images.is_empty() && !lights.is_empty());
+        assert!(triangles.len() > LEAST_TRIANGLES && !textures.is_empty() && !lights.is_empty());
         triangles.truncate(LEAST_TRIANGLES);
         tex_coords.truncate(LEAST_TRIANGLES);
         normals.truncate(LEAST_TRIANGLES);
         let file = folder.join("scene.obj");
-        let scene = Scene { triangles, materials, images, lights, path, tex_coords, normals, mip_maps };
+        let scene = Scene { triangles, materials, textures, lights, path, tex_coords, normals, mip_maps };
         export_obj(&scene, &file).expect("written");
         file
     }

@@ -7,8 +7,7 @@ use crate::error::StudyError;
 use crate::monitor::Monitor;
 use crate::names::nearest;
 use kept::KeptWorlds;
-use saarcor_model::host::{Camera, Features, HostImage, ImageError, KdTree, Node, Scene};
-use saarcor_model::rays::Kernel;
+use saarcor_model::host::{Camera, Features, HostImage, KdTree, Kernel, LayoutError, Node, Scene};
 use saarcor_scenes::kdbuild::{self, BuildOptions};
 use saarcor_scenes::{builtin, load_obj_and_files};
 use std::path::{Path, PathBuf};
@@ -169,7 +168,7 @@ impl World {
     }
 
     /// The world of no scene.
-    pub(crate) fn blank(options: &WorldOptions) -> Result<Self, ImageError> {
+    pub(crate) fn blank(options: &WorldOptions) -> Result<Self, LayoutError> {
         let scene = Scene::default();
         let tree = kdbuild::build(&scene.triangles, &options.tree, &|_| ());
         let image = HostImage::build(&scene, &tree, options.kernel)?;
@@ -246,7 +245,7 @@ fn open_scene_and_files(options: &WorldOptions) -> Result<(Scene, Vec<PathBuf>),
         scene.lights.truncate(lights);
     }
     if options.no_textures {
-        scene.images.clear();
+        scene.textures.clear();
         for material in &mut scene.materials {
             (material.texture, material.bump) = (None, None);
         }

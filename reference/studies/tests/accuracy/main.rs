@@ -1,12 +1,13 @@
 //! Triangle tests and number formats on the hard suites: what must hold of each.
 
-mod bounded;
-
-use bounded::Bounded;
+use glam::Vec3;
+use saarcor_fast::adaptive::{AdaptiveRay, AdaptiveTriangle};
+use saarcor_model::host::{Kernel, Projection};
 use saarcor_model::rays::{
-    AdaptiveRay, AdaptiveTriangle, Bf16, EdgeTriangle, F16, F24, Kernel, Number, PluckerTriangle,
-    ProjectedTriangle, TriangleTest, WatertightTriangle,
+    EdgeTriangle, Number, PluckerTriangle, ProjectedTriangle, TriangleTest, WatertightTriangle,
 };
+use saarcor_oracles::bounded::Bounded;
+use saarcor_oracles::formats::{self, Bf16, Double, F16, F24};
 use saarcor_studies::accuracy::case::{Case, Truth};
 use saarcor_studies::accuracy::contest::{Contestant, Format};
 use saarcor_studies::accuracy::measure::{AccuracyRow, Extent, measure};
@@ -158,22 +159,27 @@ mod fused {
     }
 }
 
-/// In each suite, no distance is off by more than running error analysis of the very same operations
-/// allows.
-fn stays_in_bound<R: Number, T: TriangleTest<Bounded<R>>>(kernel: &str, cases: u64) {
+/// In each suite, no distance is off by more than running error analysis of the very same test allows.
+fn stays_in_bound<R, T, B>(kernel: &str, cases: u64, bounded: impl Fn(&[Vec3; 3]) -> B)
+where
+    R: formats::Format,
+    T: TriangleTest<R>,
+    B: TriangleTest<Bounded<R>>,
+{
     let mut judged = 0;
     for suite in &SUITES {
         for number in 0..cases {
             let case = suite.case(11, number);
-            let from = T::ray(case.ray.origin.to_array(), case.ray.direction.to_array());
+            let (origin, direction) = (case.ray.origin.to_array(), case.ray.direction.to_array());
             for corners in &case.triangles {
-                let found = T::new(corners).intersect(&from);
+                let found = T::new(corners).intersect(&T::ray(origin, direction));
+                let bound = bounded(corners).intersect(&B::ray(origin, direction)).t.error;
                 let alone = Case { triangles: vec![*corners], ..case.clone() };
                 let truth = Truth::of(&alone);
-                if let Some(truth) = truth.0.first().filter(|_| found.inside && found.t.error.is_finite()) {
-                    let error = (found.t.value.to_f64() - truth.t).abs();
+                if let Some(truth) = truth.0.first().filter(|_| found.inside && bound.is_finite()) {
+                    let error = (found.t.to_f64() - truth.t).abs();
                     // The true distance is itself rounded to f64.
-                    let bound = found.t.error + truth.t.abs() * f64::EPSILON;
+                    let bound = bound + truth.t.abs() * f64::EPSILON;
                     assert!(error <= bound, "{kernel} {} {number}: {error:e} beyond {bound:e}", suite.name);
                     judged += 1;
                 }
@@ -183,11 +189,49 @@ fn stays_in_bound<R: Number, T: TriangleTest<Bounded<R>>>(kernel: &str, cases: u
     assert!(judged > cases, "{kernel}: {judged} distances with a bound");
 }
 
-fn all_stay_in_bound<R: Number>(format: &str, cases: u64) {
-    stays_in_bound::<R, EdgeTriangle<Bounded<R>>>(&format!("moller-trumbore {format}"), cases);
-    stays_in_bound::<R, ProjectedTriangle<Bounded<R>>>(&format!("wald {format}"), cases);
-    stays_in_bound::<R, PluckerTriangle<Bounded<R>>>(&format!("plucker {format}"), cases);
-    stays_in_bound::<R, WatertightTriangle<Bounded<R>>>(&format!("watertight {format}"), cases);
+/// A triangle of Wald's test with the errors of its words: the driver computes them in f64, in the
+/// same steps, and rounds them to the format.
+fn projected<R: formats::Format>(corners: &[Vec3; 3]) -> ProjectedTriangle<Bounded<R>> {
+    type Exact = Bounded<Double>;
+    let Projection { axis, words } = Projection::new(corners);
+    let (k, p, q) = (axis as usize, (axis as usize + 1) % 3, (axis as usize + 2) % 3);
+    let [a, b, c] = corners.map(|corner| corner.to_array().map(Exact::from_f32));
+    let [to_b, to_c]: [[Exact; 3]; 2] = [b, c].map(|end| std::array::from_fn(|axis| end[axis] - a[axis]));
+    let normal: [Exact; 3] = std::array::from_fn(|axis| {
+        let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
+        to_b[p] * to_c[q] - to_b[q] * to_c[p]
+    });
+    let area = normal[k];
+    let plane = normal.map(|component| component / area);
+    let bounded = [
+        plane[p],
+        plane[q],
+        a[0] * plane[0] + a[1] * plane[1] + a[2] * plane[2],
+        to_c[q] / area,
+        -to_c[p] / area,
+        (a[q] * to_c[p] - a[p] * to_c[q]) / area,
+        -to_b[q] / area,
+        to_b[p] / area,
+        (a[p] * to_b[q] - a[q] * to_b[p]) / area,
+    ];
+    let word = |word: usize| {
+        assert!(bounded[word].allows(Double(words[word])) || bounded[word].is_undefined());
+        Bounded::within(bounded[word].value, bounded[word].error)
+    };
+    ProjectedTriangle { axis: k, words: std::array::from_fn(word) }
+}
+
+fn all_stay_in_bound<R: formats::Format>(format: &str, cases: u64) {
+    type B<R> = Bounded<R>;
+    let name = |kernel: &str| format!("{kernel} {format}");
+    stays_in_bound::<R, EdgeTriangle<R>, _>(&name("moller-trumbore"), cases, EdgeTriangle::<B<R>>::new);
+    stays_in_bound::<R, ProjectedTriangle<R>, _>(&name("wald"), cases, projected::<R>);
+    stays_in_bound::<R, PluckerTriangle<R>, _>(&name("plucker"), cases, PluckerTriangle::<B<R>>::new);
+    stays_in_bound::<R, WatertightTriangle<R>, _>(
+        &name("watertight"),
+        cases,
+        WatertightTriangle::<B<R>>::new,
+    );
 }
 
 /// The adaptive test hands out its bound with each hit.
@@ -213,7 +257,7 @@ fn adaptive_stays_in_bound(cases: u64) {
 fn distances_stay_in_their_bounds() {
     const CASES: u64 = 300;
     adaptive_stays_in_bound(CASES);
-    all_stay_in_bound::<f64>("f64", CASES);
+    all_stay_in_bound::<Double>("f64", CASES);
     all_stay_in_bound::<f32>("f32", CASES);
     all_stay_in_bound::<F24>("f24", CASES);
     all_stay_in_bound::<Bf16>("bf16", CASES);

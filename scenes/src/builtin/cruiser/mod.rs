@@ -39,12 +39,12 @@ pub fn scene(textured: bool) -> Scene {
     machinery::machinery(&mut mesh, &s);
     studs(&mut mesh, &s);
     let (triangles, tex_coords) = mesh.into_parts();
-    let (materials, images) = palette.into_parts();
+    let (materials, textures) = palette.into_parts();
     Scene {
         triangles,
         tex_coords,
         materials,
-        images,
+        textures,
         lights: vec![Light { position: vec3(250.0, 560.0, 280.0), intensity: 1.0 }],
         path: cameras(&flight(), FRAMES, 60.0),
         ..Scene::default()

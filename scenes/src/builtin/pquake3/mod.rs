@@ -44,12 +44,12 @@ pub fn scene(textured: bool) -> Scene {
     laboratory(&mut mesh, &s);
     rubble(&mut mesh, &s);
     let (triangles, tex_coords) = mesh.into_parts();
-    let (materials, images) = palette.into_parts();
+    let (materials, textures) = palette.into_parts();
     Scene {
         triangles,
         tex_coords,
         materials,
-        images,
+        textures,
         lights: vec![Light { position: vec3(12.0, 60.0, 36.0), intensity: 1.0 }],
         path: cameras(&evenly(&walk(), FRAMES), FRAMES, 65.0),
         ..Scene::default()

@@ -1,336 +1,123 @@
-//! The adaptive test: exact hits at the cost of a fast test.
+//! The adaptive test: what is hit, and what is hit first, as if nothing were rounded.
+//!
+//! An implementation need not compute all of it exactly: where a test in floating point with a bound of
+//! its error leaves no doubt, it may take that test's word (IS-3).
 
-use super::Candidate;
-use super::expansion::{two_product, two_sum};
-use super::number::{Triple, dominant_axis, sub};
-use super::volumes::Volumes;
-use super::whole::Grid;
+use super::integer::Integer;
+use super::number::Triple;
 use crate::rays::ray::Ray;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use std::cmp::Ordering;
 
-/// The roundoff of f64.
-const UNIT: f64 = f64::EPSILON / 2.0;
-
-/// A triangle prepared for the adaptive test: Wald's projection test, counted from a corner and
-/// computed in f64, with a bound of its error; exact arithmetic only where that leaves a doubt.
-///
-/// Whether a triangle is hit, whether within the ray's range, and which of two is hit first are so
-/// decided as if nothing were rounded:
+/// A hit of the adaptive test, by the volumes that ray and triangle span.
 ///
 /// * Contact: edges and vertices belong to the triangle, exactly. A ray through the edge of two
 ///   triangles hits both at the same distance, and the lower address owns it (IS-2).
 /// * Without area, or with the ray in the plane: a miss, since they have no one point in common.
 /// * NaN and infinity: a miss.
-///
-/// **Error of the words.** u = 2⁻⁵³. The edges are off by u of themselves if a difference is not
-/// exact, as it is for coordinates within 29 bits. A component of the normal, the difference of two products with
-/// their rounding errors added, is off by ν n, where n is the largest component,
-/// ν = 3u + σ M / n, M is the largest sum of two such products without their signs, and σ = 4u²,
-/// or 4u with inexact edges. Quotients of the plane, which are at most 1, are off by 2ν/(1 - ν) + u,
-/// weights by ν/(1 - ν) + 3u of themselves: both by ε = 2.5ν + 2u at most, if ν ≤ 1/16; otherwise
-/// nothing is certain.
-///
-/// **Error of a test.** Nothing is divided before the ray is known to meet the triangle: the height
-/// of the origin over the plane, the point and its weights are all times `across`, the direction's
-/// component across the plane. With S ≥ |o - a|, D the largest component of the direction, and three
-/// roundings, γ(3) · 3 ≤ ε: `across` is off by 3.3 ε D (its roundings, and two words), `height` by
-/// 3.5 ε S (the differences besides), a coordinate `from · across - height · d` of the point by
-/// 8.5 ε S D, since |across| ≤ 3 D and |height| ≤ 3 S, a weight by 34 L ε S D, where L is the largest
-/// word of the weights, and the third one, `across - u - v`, by 72 L ε S D + 4 ε D. All are off by
-/// E = 80 L ε D (S + 1/(8 L)) at most, which includes the roundings of E.
-///
-/// * Three weights of one sign, beyond E: inside. `across` then exceeds 3 E ≥ 30 ε D.
-/// * A weight beyond E of another sign than `across`: outside, whatever the true sign of `across`. If it
-///   is not the computed one, then |across| ≤ 3.3 ε D, less than that weight, which the other two have
-///   to make up for: two signs are opposite.
-///
-/// The distance is `height` over `across`: if inside, off by (3.5 ε S + 3.3 ε |t| D) / (0.89 |across|) and
-/// two roundings, together less than 6 ε (S + |t| D) / |across|.
-///
-/// f64 neither overflows nor underflows where it matters: a bound that is NaN or infinite is no
-/// certainty.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AdaptiveTriangle {
-    corners: [Vec3; 3],
-    /// Along the first of which the triangle is projected; the numbers below are in this order.
-    axes: [u8; 3],
-    /// The first corner.
-    corner: Triple<f64>,
-    /// The plane's slopes along the second and the third axis: the normal is 1 along the first.
-    plane: [f64; 2],
-    /// Of the second and the third corner, along the second and the third axis.
-    weights: [[f64; 2]; 2],
-    /// The largest coordinate of the first corner, and 1/(8 L).
-    reach: f64,
-    /// 80 L ε.
-    weight_slack: f64,
-    /// 6 ε.
-    distance_slack: f64,
+#[derive(Clone, Copy, Debug)]
+pub struct ExactHit {
+    /// The barycentric weights of the corners, times `sum`.
+    weights: [Integer; 3],
+    /// The sum of `weights`, positive.
+    sum: Integer,
+    /// The distance, times `sum`.
+    height: Integer,
 }
 
-/// A ray as the adaptive test needs it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AdaptiveRay {
-    ray: Ray,
-    origin: Triple<f64>,
-    direction: Triple<f64>,
-    /// The largest coordinate of the origin.
-    reach: f64,
-    /// The largest component of the direction.
-    size: f64,
-}
-
-impl AdaptiveRay {
-    /// The ray itself.
-    #[inline(always)]
+impl ExactHit {
+    /// The hit of a ray and a triangle, if there is one within the ray's range (IS-1, IS-2).
     #[must_use]
-    pub fn ray(&self) -> &Ray {
-        &self.ray
-    }
-
-    /// From a ray.
-    #[inline(always)]
-    #[must_use]
-    pub fn new(ray: &Ray) -> Self {
-        let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-        Self {
-            ray: *ray,
-            origin: origin.to_array(),
-            direction: direction.to_array(),
-            reach: origin.abs().max_element(),
-            size: direction.abs().max_element(),
+    pub fn new(ray: &Ray, corners: &[Vec3; 3]) -> Option<Self> {
+        let finite = ray.origin.is_finite() && ray.direction.is_finite();
+        if !finite || !corners.iter().all(|corner| corner.is_finite()) {
+            return None;
         }
-    }
-}
-
-/// What the fast test says, and how far it may be off. All but the bounds are times `across`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Estimate {
-    across: f64,
-    height: f64,
-    u: f64,
-    v: f64,
-    /// The least weight, with the sign that it has over `across`.
-    margin: f64,
-    weight_error: f64,
-    /// Of ray and triangle together: no less than S.
-    reach: f64,
-}
-
-impl Estimate {
-    /// Whether the ray passes the triangle for certain.
-    #[inline(always)]
-    pub(super) fn is_outside(&self) -> bool {
-        self.margin < -self.weight_error
-    }
-}
-
-/// A hit of the adaptive test.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AdaptiveHit<'a> {
-    /// Distance along the ray.
-    pub t: f64,
-    /// Barycentric weight of the second corner.
-    pub u: f64,
-    /// Barycentric weight of the third corner.
-    pub v: f64,
-    /// By how much `t` may be off.
-    pub t_error: f64,
-    /// The corners of the triangle, from which an order of hits that `t` leaves in doubt is decided.
-    pub corners: &'a [Vec3; 3],
-}
-
-impl AdaptiveTriangle {
-    /// From the corners.
-    #[must_use]
-    pub fn new(corners: &[Vec3; 3]) -> Self {
-        let [a, b, c] = corners.map(|corner| corner.as_dvec3().to_array());
-        let (to_b, to_c) = (sub(b, a), sub(c, a));
-        let is_exact = |end: Triple<f64>| (0..3).all(|axis| two_sum(end[axis], -a[axis]).1 == 0.0);
-        let slack = if is_exact(b) && is_exact(c) { 4.0 * UNIT * UNIT } else { 4.0 * UNIT };
-        let minors: [_; 3] = std::array::from_fn(|axis| {
-            let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
-            let (left, right) = (two_product(to_b[p], to_c[q]), two_product(to_b[q], to_c[p]));
-            ((left.0 - right.0) + (left.1 - right.1), left.0.abs() + right.0.abs())
+        let [origin, direction] = [ray.origin, ray.direction].map(whole);
+        let [a, b, c] = corners.map(|corner| {
+            let corner = whole(corner);
+            std::array::from_fn(|axis| corner[axis] - origin[axis])
         });
-        let normal = minors.map(|(value, _)| value);
-        let axis = dominant_axis(normal);
-        let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
-        let area = normal[axis];
-        let products = minors.iter().fold(0.0, |largest, (_, size)| size.max(largest));
-        let weights = [[to_c[q] / area, -to_c[p] / area], [-to_b[q] / area, to_b[p] / area]];
-        let largest = weights.as_flattened().iter().fold(0.0, |largest, word| word.abs().max(largest));
-        let nu = 3.0 * UNIT + slack * (products / area.abs());
-        let epsilon = if nu <= 1.0 / 16.0 { 2.5 * nu + 2.0 * UNIT } else { f64::INFINITY };
-        Self {
-            corners: *corners,
-            axes: [axis, p, q].map(|axis| axis as u8),
-            corner: [a[axis], a[p], a[q]],
-            plane: [normal[p] / area, normal[q] / area],
-            weights,
-            reach: DVec3::from_array(a).abs().max_element() + 0.125 / largest,
-            weight_slack: 80.0 * largest * epsilon,
-            distance_slack: 6.0 * epsilon,
+        let mut weights =
+            [dot(direction, cross(b, c)), dot(direction, cross(c, a)), dot(direction, cross(a, b))];
+        let mut height = dot(a, cross(b, c));
+        // Seen from the other side, all volumes have the other sign.
+        if (weights[0] + weights[1] + weights[2]).sign() == Ordering::Less {
+            (weights, height) = (weights.map(|weight| -weight), -height);
         }
+        let hit = Self { weights, sum: weights[0] + weights[1] + weights[2], height };
+        let meets_plane = hit.sum.sign() == Ordering::Greater;
+        let inside = hit.weights.iter().all(|weight| weight.sign() != Ordering::Less);
+        let starts = matches!(hit.compare_distance(ray.t_min), Some(Ordering::Equal | Ordering::Greater));
+        let ends = hit.compare_distance(ray.t_max) == Some(Ordering::Less);
+        (meets_plane && inside && starts && ends).then_some(hit)
     }
 
-    /// The fast test.
-    #[inline(always)]
-    pub(super) fn estimate(&self, ray: &AdaptiveRay) -> Estimate {
-        // Component by component: an array would be written before it is read by an index.
-        let [k, p, q] = self.axes.map(usize::from);
-        let [d_k, d_p, d_q] = [ray.direction[k], ray.direction[p], ray.direction[q]];
-        let [a_k, a_p, a_q] = self.corner;
-        let [from_k, from_p, from_q] = [ray.origin[k] - a_k, ray.origin[p] - a_p, ray.origin[q] - a_q];
-        let across = d_k + (self.plane[0] * d_p + self.plane[1] * d_q);
-        let height = from_k + (self.plane[0] * from_p + self.plane[1] * from_q);
-        let (x, y) = (from_p * across - height * d_p, from_q * across - height * d_q);
-        let [u, v] = self.weights.map(|[w_x, w_y]| w_x * x + w_y * y);
-        let over_across = |weight: f64| weight * 1.0_f64.copysign(across);
-        let reach = ray.reach + self.reach;
-        Estimate {
-            across,
-            height,
-            u,
-            v,
-            margin: least(over_across(u), over_across(v), over_across(across - u - v)),
-            weight_error: self.weight_slack * (ray.size * reach),
-            reach,
+    /// How the distance compares to `bound`; `None` where that is NaN.
+    fn compare_distance(&self, bound: f32) -> Option<Ordering> {
+        if !bound.is_finite() {
+            // As every other finite number does.
+            return 0.0.partial_cmp(&bound);
         }
+        // height / sum against bound / 1.
+        let [bound, one] = [bound, 1.0].map(Integer::from_f32);
+        Some((self.height * one - bound * self.sum).sign())
     }
 
-    /// Whether `ray` hits the triangle within its range, exactly (IS-1, IS-2).
-    #[inline(always)]
+    /// How the distances of two hits of one ray compare.
     #[must_use]
-    pub fn intersect(&self, ray: &AdaptiveRay) -> Option<AdaptiveHit<'_>> {
-        let found = self.estimate(ray);
-        if found.is_outside() {
-            return None;
-        }
-        if found.margin > found.weight_error {
-            self.in_range(ray, &found)
-        } else {
-            self.intersect_exactly(&ray.ray)
-        }
+    pub fn order(&self, other: &Self) -> Ordering {
+        // Both sums are positive.
+        (self.height * other.sum - other.height * self.sum).sign()
     }
 
-    /// The hit at a point that is within the triangle, if it is within the range. Its distance is
-    /// known to half a unit in the last place of an f32, so that, rounded, it is off by less than
-    /// one: traversal cuts off by it what lies behind (KD-4).
-    #[inline(always)]
-    fn in_range(&self, ray: &AdaptiveRay, found: &Estimate) -> Option<AdaptiveHit<'_>> {
-        let reciprocal = 1.0 / found.across;
-        let t = -found.height * reciprocal;
-        let error = self.distance_slack * ((found.reach + t.abs() * ray.size) * reciprocal.abs());
-        let (t_min, t_max) = (f64::from(ray.ray.t_min), f64::from(ray.ray.t_max));
-        let known = error <= t.abs() * f64::from(f32::EPSILON / 2.0);
-        if known & ((t - t_min).abs() > error) & ((t - t_max).abs() > error) {
-            let (u, v) = (found.u * reciprocal, found.v * reciprocal);
-            let hit = AdaptiveHit { t, u, v, t_error: error, corners: &self.corners };
-            ((t > t_min) & (t < t_max)).then_some(hit)
-        } else {
-            self.intersect_exactly(&ray.ray)
-        }
-    }
-
-    /// Without rounding, but for that of the numbers in the end.
-    #[inline(always)]
-    fn intersect_exactly(&self, ray: &Ray) -> Option<AdaptiveHit<'_>> {
-        // Put together here, so that what is usual need not go through memory.
-        let [t, u, v] = exact_point(ray, &self.corners)?;
-        Some(AdaptiveHit { t, u, v, t_error: exact_error(t), corners: &self.corners })
-    }
-}
-
-/// Distance and weights where `ray` hits the triangle within its range.
-#[cold]
-#[inline(never)]
-fn exact_point(ray: &Ray, corners: &[Vec3; 3]) -> Option<[f64; 3]> {
-    if let Some(volumes) = Grid::new(ray, corners).and_then(|grid| grid.volumes(corners)) {
-        if !volumes.are_inside() {
-            return None;
-        }
-        let point @ [t, ..] = volumes.point();
-        let to = |bound| volumes.distance_to(bound, exact_error(t));
-        if let Some((starts, ends)) = to(ray.t_min).zip(to(ray.t_max)) {
-            return (starts != Ordering::Less && ends == Ordering::Less).then_some(point);
-        }
-    }
-    let volumes = Volumes::new(ray, corners).filter(Volumes::are_inside)?;
-    let starts = volumes.distance_to(ray.t_min)? != Ordering::Less;
-    let ends = volumes.distance_to(ray.t_max)? == Ordering::Less;
-    (starts && ends).then(|| volumes.point())
-}
-
-/// Which of two triangles that `ray` hits is nearer.
-#[cold]
-#[inline(never)]
-fn exact_order(ray: &Ray, a: &[Vec3; 3], b: &[Vec3; 3]) -> Ordering {
-    let on_grid = || {
-        let grid = Grid::new(ray, a.iter().chain(b))?;
-        Some(grid.volumes(a)?.order(&grid.volumes(b)?))
-    };
-    on_grid().unwrap_or_else(|| {
-        let volumes = Volumes::new(ray, a).zip(Volumes::new(ray, b));
-        volumes.map_or(Ordering::Equal, |(a, b)| a.order(&b))
-    })
-}
-
-/// By how much a distance may be off as a numerator, a divisor and a quotient that are each rounded once.
-fn exact_error(t: f64) -> f64 {
-    4.0 * UNIT * t.abs()
-}
-
-/// The least of three numbers, NaN if the last is.
-#[inline(always)]
-fn least(a: f64, b: f64, c: f64) -> f64 {
-    let least = if a < b { a } else { b };
-    if least < c { least } else { c }
-}
-
-impl AdaptiveHit<'_> {
-    /// Which of two hits of `ray` is nearer, exactly.
-    #[inline(always)]
+    /// Distance, and weights of the second and the third corner: numerator, divisor and quotient are
+    /// each rounded once.
     #[must_use]
-    pub fn order(&self, other: &AdaptiveHit, ray: &Ray) -> Ordering {
-        let (difference, error) = (self.t - other.t, self.t_error + other.t_error);
-        // The difference is itself rounded: by less than the bounds leave unused.
-        if difference.abs() > error {
-            if difference < 0.0 { Ordering::Less } else { Ordering::Greater }
-        } else {
-            // Not the hits themselves, which would have to be in memory for it.
-            exact_order(ray, self.corners, other.corners)
-        }
+    pub fn point(&self) -> [f64; 3] {
+        let over_sum = |number: Integer| number.nearest() / self.sum.nearest();
+        [over_sum(self.height), over_sum(self.weights[1]), over_sum(self.weights[2])]
     }
 
-    /// As a candidate in f32.
-    #[inline]
+    /// The same in f32.
     #[must_use]
-    pub fn rounded(&self) -> Candidate {
-        Candidate { t: self.t as f32, u: self.u as f32, v: self.v as f32, inside: true }
+    pub fn rounded(&self) -> [f32; 3] {
+        self.point().map(|number| number as f32)
     }
+}
+
+/// A finite vector in units of 2⁻¹⁴⁹.
+fn whole(vector: Vec3) -> Triple<Integer> {
+    vector.to_array().map(Integer::from_f32)
+}
+
+/// `a × b`.
+fn cross(a: Triple<Integer>, b: Triple<Integer>) -> Triple<Integer> {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// `a · b`.
+fn dot(a: Triple<Integer>, b: Triple<Integer>) -> Integer {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Far from the origin of the coordinates the fast test knows a small distance badly.
+    /// At the ends of the range there is room for every volume, and for the order of two hits.
     #[test]
-    fn distances_are_known_to_an_f32() {
-        let origin = Vec3::new(4096.0, -8192.0, 1024.0);
-        let ahead = 2.0_f32.powi(-11);
-        let corners =
-            [[ahead, -1.0, -1.0], [ahead, 2.0, -1.0], [ahead, 0.0, 2.0]].map(|p| origin + Vec3::from(p));
-        let triangle = AdaptiveTriangle::new(&corners);
-        let direction = Vec3::new(1.0, 0.25, 0.125);
-        let ray = AdaptiveRay::new(&Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY });
-        let known = |t: f64| t * f64::from(f32::EPSILON / 2.0);
-        let fast = triangle.estimate(&ray);
-        let error = triangle.distance_slack * fast.reach / fast.across.abs();
-        assert!(fast.margin > fast.weight_error && error > known(f64::from(ahead)), "{fast:?}");
-        let hit = triangle.intersect(&ray).expect("inside");
-        assert!(hit.t == f64::from(ahead) && hit.t_error <= known(hit.t), "{hit:?}");
+    fn the_largest_numbers_have_room() {
+        let large = f32::MAX;
+        let ray =
+            |t_max| Ray { origin: Vec3::splat(-large), direction: Vec3::splat(large), t_min: 0.0, t_max };
+        let corners = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis * large);
+        let hit = ExactHit::new(&ray(2.0), &corners).expect("through the middle");
+        assert_eq!(hit.point()[0], 4.0 / 3.0);
+        let behind = corners.map(|corner| corner + Vec3::splat(f32::from_bits(1)));
+        let other = ExactHit::new(&ray(2.0), &behind).expect("through the middle");
+        assert_eq!((hit.order(&other), other.order(&hit)), (Ordering::Less, Ordering::Greater));
+        assert_eq!(hit.order(&hit), Ordering::Equal);
+        assert!(ExactHit::new(&ray(1.333_333_3), &corners).is_none());
     }
 }

@@ -1,7 +1,7 @@
 //! The test of Möller and Trumbore (1997).
 
 use super::number::{Number, Triple, cross, dot, sub};
-use super::{Candidate, TriangleTest};
+use super::triangle_test::{Candidate, TriangleTest};
 use glam::Vec3;
 
 /// A triangle prepared for the test of Möller and Trumbore: a corner and two edges.
@@ -30,18 +30,15 @@ pub struct EdgeTriangle<R = f32> {
 impl<R: Number> TriangleTest<R> for EdgeTriangle<R> {
     type Ray = [Triple<R>; 2];
 
-    #[inline(always)]
     fn new(corners: &[Vec3; 3]) -> Self {
         let [a, b, c] = corners.map(|corner| corner.to_array().map(R::from_f32));
         Self { corner: a, edges: [sub(b, a), sub(c, a)] }
     }
 
-    #[inline(always)]
     fn ray(origin: Triple<f32>, direction: Triple<f32>) -> Self::Ray {
         [origin.map(R::from_f32), direction.map(R::from_f32)]
     }
 
-    #[inline(always)]
     fn intersect(&self, &[origin, direction]: &Self::Ray) -> Candidate<R> {
         let [to_b, to_c] = self.edges;
         let p = cross(direction, to_c);

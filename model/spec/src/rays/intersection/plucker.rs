@@ -1,7 +1,7 @@
 //! The test by Plücker coordinates.
 
 use super::number::{Number, Triple, add, cross, dot, sub};
-use super::{Candidate, TriangleTest};
+use super::triangle_test::{Candidate, TriangleTest, same_sign};
 use glam::Vec3;
 
 /// A triangle's corners, for the test by Plücker coordinates: on which side of each edge's line the
@@ -21,7 +21,7 @@ use glam::Vec3;
 /// γ(10) of its |·|₊ (two roundings in each coordinate of an edge and of a sum of corners, three in
 /// the cross product, three in the dot product), their sum by these errors and γ(2) of the sides,
 /// the height and its divisor by γ(10) of their |·|₊; quotients as in
-/// [`EdgeTriangle`](super::EdgeTriangle).
+/// Möller and Trumbore's test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PluckerTriangle<R = f32> {
     corners: [Triple<R>; 3],
@@ -30,17 +30,14 @@ pub struct PluckerTriangle<R = f32> {
 impl<R: Number> TriangleTest<R> for PluckerTriangle<R> {
     type Ray = [Triple<R>; 2];
 
-    #[inline(always)]
     fn new(corners: &[Vec3; 3]) -> Self {
         Self { corners: corners.map(|corner| corner.to_array().map(R::from_f32)) }
     }
 
-    #[inline(always)]
     fn ray(origin: Triple<f32>, direction: Triple<f32>) -> Self::Ray {
         [origin.map(R::from_f32), direction.map(R::from_f32)]
     }
 
-    #[inline(always)]
     fn intersect(&self, &[origin, direction]: &Self::Ray) -> Candidate<R> {
         let [a, b, c] = self.corners.map(|corner| sub(corner, origin));
         let (a_c, b_a, c_b) = (sub(c, a), sub(a, b), sub(b, c));
@@ -58,7 +55,7 @@ impl<R: Number> TriangleTest<R> for PluckerTriangle<R> {
             t: height / across,
             u: weights[1] / sum,
             v: weights[2] / sum,
-            inside: super::same_sign(weights.map(|w| i8::from(w > R::ZERO) - i8::from(w < R::ZERO)), sum),
+            inside: same_sign(weights.map(|w| i8::from(w > R::ZERO) - i8::from(w < R::ZERO)), sum),
         }
     }
 }

@@ -1,13 +1,14 @@
 //! Wald's projection test (Wald 2004, §7.1).
 
-use super::number::{Number, Triple, cross, dominant_axis, dot, sub};
-use super::{Candidate, TriangleTest};
+use super::number::{Number, Triple};
+use super::triangle_test::{Candidate, TriangleTest};
+use crate::host::{Projection, TriangleRecord};
 use glam::Vec3;
 
-/// A triangle prepared for Wald's projection test: its plane, scaled so that the normal's
-/// largest component is 1 and need not be stored, and two lines in the plane of projection.
+/// A triangle prepared for Wald's projection test: a [`Projection`], whose words the driver computes in
+/// f64, in numbers of the format.
 ///
-/// * Contact: as in [`EdgeTriangle`](super::EdgeTriangle), by the weights as computed; the words of
+/// * Contact: as in Möller and Trumbore's test, by the weights as computed; the words of
 ///   two triangles that share an edge are rounded apart from each other.
 /// * Without area: the words are NaN or infinite, and every ray misses.
 /// * A ray in the plane: t and the weights are NaN, infinite or noise.
@@ -20,48 +21,34 @@ use glam::Vec3;
 /// Far from the origin, the last word cancels the others, and nothing is left of the weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProjectedTriangle<R = f32> {
-    /// The axis `k` along which the triangle is projected: 0, 1 or 2.
+    /// The axis along which the triangle is projected: 0, 1 or 2.
     pub axis: usize,
-    /// With `p`, `q` the axes after `k`: the plane is `x_k + w0 x_p + w1 x_q = w2`; the barycentric
-    /// weights of the second and the third corner are `w3 x_p + w4 x_q + w5` and
-    /// `w6 x_p + w7 x_q + w8`.
+    /// Those of [`Projection::words`].
     pub words: [R; 9],
+}
+
+impl ProjectedTriangle {
+    /// From what the driver stored for the chip.
+    #[must_use]
+    pub fn decode(record: &TriangleRecord) -> Self {
+        // Three is no axis: the driver never stores it.
+        Self { axis: (record.tag % 3) as usize, words: record.words }
+    }
 }
 
 impl<R: Number> TriangleTest<R> for ProjectedTriangle<R> {
     type Ray = [Triple<R>; 2];
 
-    /// The driver computes it once, in the wide format, the chip never.
     fn new(corners: &[Vec3; 3]) -> Self {
-        let [a, b, c] = corners.map(|corner| corner.to_array().map(R::Wide::from_f32));
-        let (to_b, to_c) = (sub(b, a), sub(c, a));
-        let normal = cross(to_b, to_c);
-        let axis = dominant_axis(normal);
-        let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
-        // The area in projection is the normal's component along the axis.
-        let area = normal[axis];
-        let plane = normal.map(|component| component / area);
-        let words = [
-            plane[p],
-            plane[q],
-            dot(a, plane),
-            to_c[q] / area,
-            -to_c[p] / area,
-            (a[q] * to_c[p] - a[p] * to_c[q]) / area,
-            -to_b[q] / area,
-            to_b[p] / area,
-            (a[p] * to_b[q] - a[q] * to_b[p]) / area,
-        ];
-        Self { axis, words: words.map(R::from_wide) }
+        let Projection { axis, words } = Projection::new(corners);
+        Self { axis: axis as usize, words: words.map(R::from_f64) }
     }
 
-    #[inline(always)]
     fn ray(origin: Triple<f32>, direction: Triple<f32>) -> Self::Ray {
         [origin.map(R::from_f32), direction.map(R::from_f32)]
     }
 
     /// Where the ray meets the plane, then the weights of that point in projection.
-    #[inline(always)]
     fn intersect(&self, [origin, direction]: &Self::Ray) -> Candidate<R> {
         let (k, p, q) = (self.axis, (self.axis + 1) % 3, (self.axis + 2) % 3);
         let w = &self.words;

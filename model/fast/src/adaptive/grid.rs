@@ -1,9 +1,10 @@
 //! Exact volumes of a ray and a triangle in whole numbers of 128 bits: for coordinates that 40 bits
 //! hold, as those of a scene mostly are, and with less work than expansions.
+//!
+//! Twin of [`saarcor_model::rays::ExactHit`], where there is such a grid.
 
-use super::number::Triple;
-use crate::rays::ray::Ray;
 use glam::Vec3;
+use saarcor_model::rays::{Ray, Triple};
 use std::cmp::Ordering;
 
 /// Bits of a coordinate and of a component of the direction, without the sign: a difference of
@@ -48,8 +49,8 @@ fn whole(numbers: Vec3, units: f64) -> Option<Triple<i64>> {
 }
 
 impl Grid {
-    /// The grid of the ray and these points, of which those of triangles that are asked for later have to
-    /// be; `None` where [`BITS`] are not enough, or a number is NaN or infinite.
+    /// The grid of the ray and these points, which include the corners of every triangle whose volumes
+    /// are asked for later; `None` where [`BITS`] are not enough, or a number is NaN or infinite.
     pub(super) fn new<'a>(ray: &Ray, points: impl IntoIterator<Item = &'a Vec3>) -> Option<Self> {
         let largest = points.into_iter().fold(ray.origin.abs(), |largest, point| {
             // NaN stays: it is not less.
@@ -152,7 +153,7 @@ mod tests {
         assert_eq!(product(u128::from(u64::MAX), u128::from(u64::MAX)).1, u128::from(u64::MAX).pow(2));
     }
 
-    /// At the ends of the range nothing overflows, as the checks of the tests' build would tell.
+    /// At the ends of the range nothing overflows, as the checks of the tests' build would show.
     #[test]
     fn the_largest_numbers_have_room() {
         // 2 - 2^-23, and least where it leaves the grid: 2^-39 is a unit.
@@ -175,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_off_the_grid_are_told() {
+    fn numbers_off_the_grid_are_detected() {
         let ray = Ray { origin: Vec3::ZERO, direction: Vec3::Z, t_min: 0.0, t_max: 1.0 };
         let triangle = |least| [Vec3::new(1.0, least, 0.0), Vec3::X, Vec3::Y];
         let is_on_grid = |corners: [Vec3; 3]| {

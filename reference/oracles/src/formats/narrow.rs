@@ -1,6 +1,7 @@
 //! Narrow floats of hardware.
 
-use super::number::Number;
+use super::Format;
+use saarcor_model::rays::Number;
 use std::cmp::Ordering;
 use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -21,8 +22,8 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 pub struct Narrow<const EXPONENT: u32, const MANTISSA: u32>(f64);
 
-/// 24 bits, 1-7-16: the format of SaarCOR's later prototype (Schmittler et al. 2004, Assumed to
-/// have denormals, of which the paper does not tell).
+/// 24 bits, 1-7-16: the format of SaarCOR's later prototype (Schmittler et al. 2004; that
+/// it has denormals is Assumed, since the paper does not say).
 pub type F24 = Narrow<7, 16>;
 
 /// bfloat16, 1-8-7.
@@ -60,6 +61,12 @@ impl<const EXPONENT: u32, const MANTISSA: u32> Narrow<EXPONENT, MANTISSA> {
         let rounded = ((value + shift) - shift).copysign(value);
         Self(if rounded.abs() > Self::MAX { f64::INFINITY.copysign(value) } else { rounded })
     }
+
+    /// The square root.
+    #[must_use]
+    pub fn sqrt(self) -> Self {
+        Self::round(self.0.sqrt())
+    }
 }
 
 impl<const EXPONENT: u32, const MANTISSA: u32> fmt::Debug for Narrow<EXPONENT, MANTISSA> {
@@ -93,12 +100,8 @@ impl<const EXPONENT: u32, const MANTISSA: u32> Neg for Narrow<EXPONENT, MANTISSA
 }
 
 impl<const EXPONENT: u32, const MANTISSA: u32> Number for Narrow<EXPONENT, MANTISSA> {
-    type Wide = f64;
-
     const ZERO: Self = Self(0.0);
     const ONE: Self = Self(1.0);
-    const ROUNDOFF: f64 = power_of_two(-(MANTISSA as i32) - 1);
-    const UNDERFLOW: f64 = Self::MIN_POSITIVE * Self::ROUNDOFF;
 
     #[inline]
     fn from_f32(value: f32) -> Self {
@@ -106,23 +109,13 @@ impl<const EXPONENT: u32, const MANTISSA: u32> Number for Narrow<EXPONENT, MANTI
     }
 
     #[inline]
-    fn from_wide(value: f64) -> Self {
+    fn from_f64(value: f64) -> Self {
         Self::round(value)
-    }
-
-    #[inline]
-    fn to_f64(self) -> f64 {
-        self.0
     }
 
     #[inline]
     fn abs(self) -> Self {
         Self(self.0.abs())
-    }
-
-    #[inline]
-    fn sqrt(self) -> Self {
-        Self::round(self.0.sqrt())
     }
 
     #[inline]
@@ -134,5 +127,16 @@ impl<const EXPONENT: u32, const MANTISSA: u32> Number for Narrow<EXPONENT, MANTI
     fn product_order(a: Self, b: Self, c: Self, d: Self) -> Ordering {
         // Two significands of 17 bits or fewer: f64 holds the products.
         (a.0 * b.0).partial_cmp(&(c.0 * d.0)).unwrap_or(Ordering::Equal)
+    }
+}
+
+impl<const EXPONENT: u32, const MANTISSA: u32> Format for Narrow<EXPONENT, MANTISSA> {
+    const ROUNDOFF: f64 = power_of_two(-(MANTISSA as i32) - 1);
+    const UNDERFLOW: f64 = Self::MIN_POSITIVE * Self::ROUNDOFF;
+    const GREATEST: f64 = Self::MAX;
+
+    #[inline]
+    fn to_f64(self) -> f64 {
+        self.0
     }
 }

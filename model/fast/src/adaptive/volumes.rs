@@ -1,9 +1,10 @@
 //! Exact volumes of a ray and a triangle, for numbers of any magnitude.
+//!
+//! Twin of [`saarcor_model::rays::ExactHit`], in expansions of f64.
 
 use super::expansion::{self, SIX_FACTORS, THREE_FACTORS};
-use super::number::Triple;
-use crate::rays::ray::Ray;
 use glam::Vec3;
+use saarcor_model::rays::{Ray, Triple};
 use std::cmp::Ordering;
 
 /// A number of up to three factors, exactly.

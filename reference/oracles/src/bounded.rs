@@ -1,31 +1,27 @@
 //! By how much an implementation may be off: running error analysis (Higham 2002, §3.3) of a triangle
-//! test in f32, whatever the order of its sums.
+//! test in a number format, whatever the order of its sums.
 //!
-//! u = 2⁻²⁴ is the roundoff of f32. An operation is off by at most u times its result, and half the least
-//! f32. Sums of three products may be made in three orders: a sum is charged 2u times the sum of the
+//! u is the roundoff of the format. An operation is off by at most u times its result, and half the least
+//! number. Sums of three products may be made in three orders: a sum is charged 2u times the sum of the
 //! absolute values of its terms, which over the two sums is no less than any order takes. A quotient may
 //! be a product with a reciprocal: it is charged 2u. Where all terms are multiples of a power of two and
-//! their absolute values add up to at most 2²⁴ times it, nothing is rounded in any order, and nothing is
+//! their absolute values add up to at most 1/u times it, nothing is rounded in any order, and nothing is
 //! charged: with small whole numbers an implementation has to be exact.
 
+use crate::formats::Format;
 use saarcor_model::rays::Number;
 use std::cmp::Ordering;
+use std::marker::PhantomData;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Half the distance from 1 to the next f32.
-const UNIT: f64 = <f32 as Number>::ROUNDOFF;
-/// Numbers of so many units in a row are f32.
-const INTEGERS: f64 = 1.0 / UNIT;
-/// The least f32.
-const LEAST: f64 = 2.0 * <f32 as Number>::UNDERFLOW;
-/// Makes up for the roundings of numbers and bounds themselves, which are computed in f64: less than 2⁸
-/// one after the other, each 2⁻⁵³, which is to 2⁻²⁴ as 2⁻²⁹.
+/// Makes up for the roundings of the bounds themselves, which are computed in f64: less than 2⁸ one after
+/// the other, each 2⁻⁵³.
 const SLACK: f64 = 1.0 + 1.0 / (1 << 20) as f64;
 
 /// A number without rounding, and by how much it may be off as computed.
 #[derive(Clone, Copy, Debug)]
-pub struct Bounded {
-    /// Without rounding. NaN where it is divided by what is exactly zero.
+pub struct Bounded<F = f32> {
+    /// Without rounding, but for that of f64. NaN where it is divided by what is exactly zero.
     pub value: f64,
     /// As computed, it is off by no more. Infinite where there is no bound.
     pub error: f64,
@@ -35,16 +31,31 @@ pub struct Bounded {
     grid: f64,
     /// It is a coordinate, and no result.
     input: bool,
+    format: PhantomData<F>,
 }
 
-impl Bounded {
+impl<F: Format> Bounded<F> {
+    /// Numbers of so many units in a row are numbers of the format.
+    const INTEGERS: f64 = 1.0 / F::ROUNDOFF;
+    /// The least number of the format.
+    const LEAST: f64 = 2.0 * F::UNDERFLOW;
+    /// By how much `value` may be off, over `error`.
+    const OWN: f64 = f64::EPSILON / 2.0 / F::ROUNDOFF;
+
     /// A result, of which `charged` is what it is rounded by at most.
     fn result(value: f64, terms: f64, grid: f64, inherited: f64, charged: f64) -> Self {
-        let exact = inherited == 0.0 && grid >= LEAST && terms <= INTEGERS * grid;
-        let error = if exact { 0.0 } else { (inherited + charged + LEAST / 2.0) * SLACK };
-        // A result that is no f32 has no bound either.
-        let bounded = error.is_finite() && value.abs() <= f64::from(f32::MAX);
-        Self { value, error: if bounded { error } else { f64::INFINITY }, terms, grid, input: false }
+        let exact = inherited == 0.0 && grid >= Self::LEAST && terms <= Self::INTEGERS * grid;
+        let error = if exact { 0.0 } else { (inherited + charged + Self::LEAST / 2.0) * SLACK };
+        // A result that is no number of the format has no bound either.
+        let bounded = error.is_finite() && value.abs() <= F::GREATEST;
+        Self {
+            value,
+            error: if bounded { error } else { f64::INFINITY },
+            terms,
+            grid,
+            input: false,
+            format: PhantomData,
+        }
     }
 
     /// What comes of a quotient by zero, whatever it is combined with.
@@ -53,20 +64,36 @@ impl Bounded {
         (undefined && self.error + other.error < f64::INFINITY).then_some(Self::UNDEFINED)
     }
 
-    const UNDEFINED: Self = Self { value: f64::NAN, error: 0.0, terms: 0.0, grid: 0.0, input: false };
+    const UNDEFINED: Self =
+        Self { value: f64::NAN, error: 0.0, terms: 0.0, grid: 0.0, input: false, format: PhantomData };
 
-    /// A true number, which is reported at up to 1 ± 2u times itself, or off by the least f32 (KD-4).
+    /// A true number, which is reported at up to 1 ± 2u times itself, or off by the least one (KD-4).
     #[must_use]
     pub fn nearly(value: f64) -> Self {
-        let error = (2.0 * UNIT * value.abs() + LEAST) * SLACK;
-        // Beyond the greatest f32 there is no number to report.
-        let bounded = value.abs() + error <= f64::from(f32::MAX);
+        let error = (2.0 * F::ROUNDOFF * value.abs() + Self::LEAST) * SLACK;
+        // Beyond the greatest number there is none to report.
+        let bounded = value.abs() + error <= F::GREATEST;
         Self {
             value,
             error: if bounded { error } else { f64::INFINITY },
             terms: value.abs(),
             grid: 0.0,
             input: false,
+            format: PhantomData,
+        }
+    }
+
+    /// A number that is known to `error`, rounded to the format.
+    #[must_use]
+    pub fn within(value: f64, error: f64) -> Self {
+        let rounding = (F::from_f64(value).to_f64() - value).abs() + F::ROUNDOFF * error;
+        Self {
+            value,
+            error: (error + rounding) * SLACK,
+            terms: value.abs(),
+            grid: 0.0,
+            input: false,
+            format: PhantomData,
         }
     }
 
@@ -95,8 +122,8 @@ impl Bounded {
 
     /// Whether an implementation may have computed `number`.
     #[must_use]
-    pub fn allows(self, number: f32) -> bool {
-        (f64::from(number) - self.value).abs() <= self.error || self.error.is_infinite()
+    pub fn allows(self, number: F) -> bool {
+        (number.to_f64() - self.value).abs() <= self.error || self.error.is_infinite()
     }
 }
 
@@ -108,10 +135,10 @@ fn grid_of(value: f32) -> f64 {
     let bits = value.to_bits();
     let (exponent, mantissa) = ((bits >> 23 & 0xFF).max(1), bits & 0x7F_FFFF);
     let significand = if bits >> 23 & 0xFF == 0 { mantissa } else { mantissa | 1 << 23 };
-    LEAST * 2.0_f64.powi((exponent - 1 + significand.trailing_zeros()) as i32)
+    f64::from(f32::from_bits(1)) * 2.0_f64.powi((exponent - 1 + significand.trailing_zeros()) as i32)
 }
 
-impl Add for Bounded {
+impl<F: Format> Add for Bounded<F> {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
@@ -122,14 +149,15 @@ impl Add for Bounded {
         let (inherited, grid) = (self.error + other.error, self.grid.min(other.grid));
         // A difference of coordinates is no part of a longer sum: it is rounded once.
         if self.input && other.input {
-            return Self::result(value, value.abs(), grid, inherited, UNIT * value.abs());
+            let charged = F::ROUNDOFF * (value.abs() + inherited);
+            return Self::result(value, value.abs(), grid, inherited, charged);
         }
         let terms = self.terms + other.terms;
-        Self::result(value, terms, grid, inherited, 2.0 * UNIT * terms)
+        Self::result(value, terms, grid, inherited, 2.0 * F::ROUNDOFF * (terms + inherited))
     }
 }
 
-impl Sub for Bounded {
+impl<F: Format> Sub for Bounded<F> {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
@@ -137,7 +165,7 @@ impl Sub for Bounded {
     }
 }
 
-impl Mul for Bounded {
+impl<F: Format> Mul for Bounded<F> {
     type Output = Self;
 
     fn mul(self, other: Self) -> Self {
@@ -152,16 +180,16 @@ impl Mul for Bounded {
         let (a, b) = (self.value.abs(), other.value.abs());
         let inherited = match self.error + other.error {
             0.0 => 0.0,
-            _ => a * other.error + b * self.error + self.error * other.error,
+            _ => a * other.error + b * self.error + (1.0 + 2.0 * Self::OWN) * self.error * other.error,
         };
         let size = value.abs() + inherited;
         // Of an inexact factor there is no grid, that is 0.
         let grid = if inherited == 0.0 { self.grid * other.grid } else { 0.0 };
-        Self::result(value, size, grid, inherited, UNIT * size)
+        Self::result(value, size, grid, inherited, F::ROUNDOFF * size)
     }
 }
 
-impl Div for Bounded {
+impl<F: Format> Div for Bounded<F> {
     type Output = Self;
 
     fn div(self, other: Self) -> Self {
@@ -172,21 +200,22 @@ impl Div for Bounded {
             return Self::UNDEFINED;
         }
         let value = self.value / other.value;
-        let least = other.value.abs() - other.error;
+        let least = other.value.abs() - (1.0 + Self::OWN) * other.error;
         if least <= 0.0 || least.is_nan() {
             return Self::result(value, 0.0, 0.0, f64::INFINITY, 0.0);
         }
-        // |a/b - â/b̂| ≤ (Δa + |â/b̂| Δb) / |b̂ - Δb|.
-        let inherited = (self.error + value.abs() * other.error) / least;
+        // |a/b - â/b̂| ≤ (Δa + |a/b| Δb) / |b̂|.
+        let of_quotient = |quotient: f64| (self.error + quotient * other.error) / least;
+        let inherited = of_quotient(value.abs() + Self::OWN * of_quotient(value.abs()));
         // Only what is divided by a power of two keeps its grid.
         let power = other.error == 0.0 && other.value.abs() == other.grid;
         let grid = if power && inherited == 0.0 { self.grid / other.grid } else { 0.0 };
         let size = value.abs() + inherited;
-        Self::result(value, size, grid, inherited, 2.0 * UNIT * size)
+        Self::result(value, size, grid, inherited, 2.0 * F::ROUNDOFF * size)
     }
 }
 
-impl Neg for Bounded {
+impl<F: Format> Neg for Bounded<F> {
     type Output = Self;
 
     fn neg(self) -> Self {
@@ -194,47 +223,36 @@ impl Neg for Bounded {
     }
 }
 
-impl PartialEq for Bounded {
+impl<F: Format> PartialEq for Bounded<F> {
     fn eq(&self, other: &Self) -> bool {
         self.value == other.value
     }
 }
 
-impl PartialOrd for Bounded {
+impl<F: Format> PartialOrd for Bounded<F> {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         self.value.partial_cmp(&other.value)
     }
 }
 
-impl Number for Bounded {
-    type Wide = Self;
-
-    const ZERO: Self = Self { value: 0.0, error: 0.0, terms: 0.0, grid: f64::INFINITY, input: true };
-    const ONE: Self = Self { value: 1.0, error: 0.0, terms: 1.0, grid: 1.0, input: true };
-    const ROUNDOFF: f64 = UNIT;
-    const UNDERFLOW: f64 = LEAST / 2.0;
+impl<F: Format> Number for Bounded<F> {
+    const ZERO: Self =
+        Self { value: 0.0, error: 0.0, terms: 0.0, grid: f64::INFINITY, input: true, format: PhantomData };
+    const ONE: Self =
+        Self { value: 1.0, error: 0.0, terms: 1.0, grid: 1.0, input: true, format: PhantomData };
 
     fn from_f32(value: f32) -> Self {
-        let number = f64::from(value);
-        Self { value: number, error: 0.0, terms: number.abs(), grid: grid_of(value), input: true }
+        let (number, error) = (f64::from(value), (F::from_f32(value).to_f64() - f64::from(value)).abs());
+        let grid = if error == 0.0 { grid_of(value) } else { 0.0 };
+        Self { value: number, error, terms: number.abs(), grid, input: true, format: PhantomData }
     }
 
-    fn from_wide(wide: Self) -> Self {
-        wide
-    }
-
-    fn to_f64(self) -> f64 {
-        self.value
+    fn from_f64(value: f64) -> Self {
+        Self::within(value, 0.0)
     }
 
     fn abs(self) -> Self {
         Self { value: self.value.abs(), ..self }
-    }
-
-    fn sqrt(self) -> Self {
-        // |√a - √â| ≤ Δa / √â, since √a + √â ≥ √â.
-        let root = self.value.sqrt();
-        Self::result(root, root, 0.0, self.error / root, UNIT * root)
     }
 
     fn is_finite(self) -> bool {
@@ -249,6 +267,8 @@ impl Number for Bounded {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const LEAST: f64 = 1.0 / (1_u128 << 127) as f64 / (1 << 22) as f64;
 
     fn number(value: f32) -> Bounded {
         Bounded::from_f32(value)
@@ -276,10 +296,10 @@ mod tests {
     #[test]
     fn quotients_by_zero_are_undefined_and_by_noise_unbounded() {
         let zero = number(2.0) - number(2.0);
-        let undefined = Bounded::ONE / zero;
+        let undefined = <Bounded>::ONE / zero;
         assert!(undefined.is_undefined() && (number(3.0) * undefined).is_undefined());
         let noise = number(0.1) * number(0.3) - number(0.3) * number(0.1);
-        let unbounded = Bounded::ONE / noise;
+        let unbounded = <Bounded>::ONE / noise;
         assert!(!unbounded.is_undefined() && unbounded.allows(1.0) && unbounded.allows(-1e30));
     }
 

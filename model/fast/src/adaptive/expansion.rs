@@ -1,5 +1,7 @@
 //! Exact sums and products of f64, as expansions (Shewchuk 1997).
 //!
+//! Twin of the whole numbers of [`saarcor_model::rays::ExactHit`].
+//!
 //! An expansion is the sum of its terms, which do not overlap: each is at most half of the last
 //! bit of the next larger one. So a number that is a multiple of 2^a and less than 2^b has at most
 //! (b - a) / 53 + 1 terms. All numbers here come from f32 by at most six multiplications: they are

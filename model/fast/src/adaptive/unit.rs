@@ -1,0 +1,105 @@
+//! The intersection unit with the adaptive test of this crate.
+//!
+//! Twin of [`saarcor_model::rays::Intersection`]: the same hits.
+
+use super::triangle::{AdaptiveHit, AdaptiveRay, AdaptiveTriangle};
+use glam::Vec3;
+use saarcor_model::host::Kernel;
+use saarcor_model::rays::{Hits, Intersection, IntersectionUnit, Intervals, Packet, Query, StoredTriangle};
+use saarcor_model::vm::HostAddr;
+use std::cmp::Ordering;
+
+/// An intersection unit that runs the adaptive test of this crate, and the specification's own unit
+/// for the other tests.
+#[derive(Clone, Debug)]
+pub struct FilteredIntersection<const N: usize> {
+    specified: Intersection<N>,
+    /// What is kept of the triangle that each ray hits first so far. Without meaning where nothing was
+    /// hit.
+    nearest: [Nearest; N],
+}
+
+impl<const N: usize> Default for FilteredIntersection<N> {
+    fn default() -> Self {
+        let nothing = Nearest { corners: [Vec3::ZERO; 3], t_error: 0.0 };
+        Self { specified: Intersection::default(), nearest: [nothing; N] }
+    }
+}
+
+/// What decides exactly which of two hits is nearer, beside the distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Nearest {
+    corners: [Vec3; 3],
+    /// By how much the distance, as rounded to f32, may be off.
+    t_error: f32,
+}
+
+impl Nearest {
+    fn new(hit: &AdaptiveHit) -> Self {
+        let error = hit.t_error + (hit.t - f64::from(hit.t as f32)).abs();
+        // Two roundings: of the sum, and to f32.
+        Self { corners: *hit.corners, t_error: (error as f32).next_up().next_up() }
+    }
+
+    /// The hit again, at the distance that it was rounded to.
+    fn hit(&self, t: f32) -> AdaptiveHit<'_> {
+        let t_error = f64::from(self.t_error);
+        AdaptiveHit { t: f64::from(t), u: 0.0, v: 0.0, t_error, corners: &self.corners }
+    }
+}
+
+impl<const N: usize> IntersectionUnit<N> for FilteredIntersection<N> {
+    fn intersect(
+        &mut self,
+        triangle: &StoredTriangle,
+        packet: &Packet<N>,
+        cell: &Intervals<N>,
+        query: Query,
+        hits: &mut Hits<N>,
+    ) {
+        if triangle.kernel == Kernel::Adaptive {
+            let corners = triangle.record.corners();
+            self.adaptive(&AdaptiveTriangle::new(&corners), triangle.addr, packet, cell, query, hits);
+        } else {
+            self.specified.intersect(triangle, packet, cell, query, hits);
+        }
+    }
+}
+
+impl<const N: usize> FilteredIntersection<N> {
+    /// First whom the fast test lets pass, in one stream of arithmetic, then the other rays one by one.
+    #[inline(never)]
+    fn adaptive(
+        &mut self,
+        triangle: &AdaptiveTriangle,
+        addr: HostAddr,
+        packet: &Packet<N>,
+        cell: &Intervals<N>,
+        query: Query,
+        hits: &mut Hits<N>,
+    ) {
+        let mut passes = [false; N];
+        for (lane, passes) in passes.iter_mut().enumerate() {
+            let ray = AdaptiveRay::new(&packet.ray(lane));
+            *passes = triangle.estimate(&ray).is_outside();
+        }
+        for lane in 0..N {
+            let done = matches!(query, Query::Any) & hits.is_hit(lane);
+            if passes[lane] | done | !cell.meets(lane) {
+                continue;
+            }
+            let ray = packet.ray(lane);
+            let Some(found) = triangle.intersect(&AdaptiveRay::new(&ray)) else { continue };
+            let nearer = !hits.is_hit(lane)
+                || match found.order(&self.nearest[lane].hit(hits.t[lane]), &ray) {
+                    Ordering::Less => true,
+                    Ordering::Equal => addr.0 < hits.triangle[lane],
+                    Ordering::Greater => false,
+                };
+            if nearer {
+                hits.keep(lane, addr, found.rounded(), query);
+                self.nearest[lane] = Nearest::new(&found);
+            }
+        }
+    }
+}
