@@ -61,7 +61,9 @@ engine!(random, |theorem| theorem.judge_at_random(20_000), vm host rays time equ
 #[test]
 fn hold_for_wide_sets() {
     let mut failed = Vec::new();
-    for &(name, covers, body) in saarcor_proofs::vm::set::WIDE {
+    for &(name, covers, body) in
+        saarcor_proofs::vm::set::WIDE.iter().chain(saarcor_proofs::equal::directory::WIDE)
+    {
         if let Some(case) = Random::judge(covers, body, 5_000).counterexample {
             failed.push(format!("{name}: {case}"));
         }

@@ -89,7 +89,7 @@ fn free_way<const WAYS: usize>(set: &Set<WAYS>) -> Option<Way> {
     (free < WAYS).then_some(Way(free as u8))
 }
 
-/// The way whose line a full set gives up.
+/// The way whose line a full set evicts.
 #[inline(always)]
 fn victim<const WAYS: usize>(set: &Set<WAYS>, policy: Policy) -> Way {
     match policy {

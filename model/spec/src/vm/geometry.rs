@@ -74,7 +74,7 @@ impl Geometry {
     /// The shape with these sizes.
     ///
     /// # Errors
-    /// Where a size is zero or no power of two, and where the memory does not hold one set.
+    /// If a size is zero or no power of two, or the memory is smaller than one set.
     pub fn new(memory: Bytes, line: Bytes, ways: u32) -> Result<Self, GeometryError> {
         if !memory.0.is_power_of_two() {
             return Err(GeometryError::Memory(memory));
@@ -158,8 +158,8 @@ impl Geometry {
         HostAddr((u64::from(line.0) << self.line_bits) as u32)
     }
 
-    /// Where on the card the first byte of the line in `way` of `set` lies: ways of a set follow
-    /// one another (Assumed).
+    /// The card address of the first byte of the line in `way` of `set`: the ways of a set follow one
+    /// another (Assumed).
     #[must_use]
     pub fn card_addr(self, set: SetIndex, way: Way) -> CardAddr {
         let slot = u64::from(set.0) << self.way_bits | u64::from(way.0);

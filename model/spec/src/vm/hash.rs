@@ -2,7 +2,7 @@
 
 use super::units::{LineAddr, SetIndex};
 
-/// How a set index is made from a line address (VM-3).
+/// The function from line addresses to set indices (VM-3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Hash {
     /// The lower bits, as in standard caches (§3).
@@ -34,7 +34,7 @@ impl Hash {
             Self::AddUpperAll => {
                 let mut sum = line;
                 let mut upper = line >> set_bits;
-                // One set has no lower bits to add to, and the shift would not progress.
+                // With one set there is nothing to add, and the loop would not end.
                 while upper != 0 && set_bits != 0 {
                     sum += upper & mask;
                     upper >>= set_bits;

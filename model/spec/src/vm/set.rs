@@ -2,7 +2,7 @@
 
 use super::units::{LineAddr, Way};
 
-/// Which line a full set gives up. The paper names none: LRU is Assumed.
+/// Which line a full set evicts. The paper names no policy: LRU is Assumed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Policy {
     /// The least recently used line.
@@ -10,7 +10,7 @@ pub enum Policy {
     Lru,
     /// The line that was loaded first.
     Fifo,
-    /// The line that a binary tree of bits points at, each bit away from its half's last use.
+    /// The line that a binary tree of bits points at: each bit points away from the half used last.
     Plru,
 }
 
@@ -47,7 +47,7 @@ impl Outcome {
 /// start from any legal state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Set<const WAYS: usize> {
-    /// The line in each way: the tag. Without meaning where the way is free.
+    /// The line in each way: the tag. Meaningless if the way is free.
     pub lines: [LineAddr; WAYS],
     /// Whether the way holds a line.
     pub resident: [bool; WAYS],
@@ -148,7 +148,7 @@ impl<const WAYS: usize> Set<WAYS> {
         free
     }
 
-    /// The way whose line a full set gives up.
+    /// The way whose line a full set evicts.
     fn victim(&self, policy: Policy) -> Way {
         match policy {
             Policy::Lru | Policy::Fifo => Way(self.order[WAYS - 1]),

@@ -8,8 +8,8 @@ use super::version_a::{Metadata, OnChip};
 
 /// The virtual memory: the on-board memory, its directory, and the bus to host memory.
 ///
-/// The fields are public, so that a proof can start from any state. Who writes to `host` has to
-/// invalidate what he wrote.
+/// The fields are public, so that a proof can start from any state. Whoever writes to `host` must
+/// invalidate what was written.
 #[derive(Clone, Debug)]
 pub struct VirtualMemory<H, const WAYS: usize, M = OnChip<WAYS>> {
     /// Which line lies where.
