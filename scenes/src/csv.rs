@@ -121,7 +121,7 @@ fn format_vector(vector: Vec3) -> String {
 }
 
 /// A row of N fields.
-struct Row<'a, const N: usize> {
+struct CsvRow<'a, const N: usize> {
     path: &'a Path,
     line: usize,
     columns: [&'static str; N],
@@ -133,7 +133,7 @@ fn rows<'a, const N: usize>(
     path: &'a Path,
     text: &'a str,
     columns: [&'static str; N],
-) -> Result<impl Iterator<Item = Result<Row<'a, N>, SceneError>>, SceneError> {
+) -> Result<impl Iterator<Item = Result<CsvRow<'a, N>, SceneError>>, SceneError> {
     let header = columns.join(",");
     let mut lines = text.lines().enumerate();
     let found = lines.next().map_or("", |(_, line)| line);
@@ -148,11 +148,11 @@ fn rows<'a, const N: usize>(
             let reason = format!("{} fields: {N} are needed ({header})", fields.len());
             SceneError::at_line(path, line, reason)
         })?;
-        Ok(Row { path, line, columns, fields })
+        Ok(CsvRow { path, line, columns, fields })
     }))
 }
 
-impl<const N: usize> Row<'_, N> {
+impl<const N: usize> CsvRow<'_, N> {
     fn error(&self, message: String) -> SceneError {
         SceneError::at_line(self.path, self.line, message)
     }

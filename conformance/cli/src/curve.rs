@@ -10,7 +10,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 use saarcor_model::vm::Bytes;
 use saarcor_paper::MB;
-use saarcor_studies::sweep::Costs;
+use saarcor_studies::sweep::PointCosts;
 use std::sync::Arc;
 
 /// The values of an axis as sizes.
@@ -36,13 +36,13 @@ pub fn sizes<'a>(values: impl Iterator<Item = &'a str>, axis: &str) -> Result<Ve
 ///
 /// # Errors
 /// If nothing is left to draw.
-pub fn svg(axis: &str, frame: &str, costs: &[Costs]) -> Result<String> {
+pub fn svg(axis: &str, frame: &str, costs: &[PointCosts]) -> Result<String> {
     let mut costs = costs.to_vec();
     costs.retain(|costs| costs.loaded > 0 && costs.metadata > 0);
     costs.sort_by_key(|costs| costs.size);
     let best =
-        Costs::best(&costs).ok_or_else(|| anyhow!("--svg: no point loads anything and has metadata"))?;
-    let place = |costs: &Costs| (costs.size as f64).log2();
+        PointCosts::best(&costs).ok_or_else(|| anyhow!("--svg: no point loads anything and has metadata"))?;
+    let place = |costs: &PointCosts| (costs.size as f64).log2();
     let curve = |name: &str, colour: &str, style, points: Vec<(f64, f64)>| {
         let plot = LinePlot::new().with_data(points).with_color(colour).with_line_style(style);
         Plot::Line(plot.with_stroke_width(1.6).with_legend(name))

@@ -22,16 +22,16 @@
 //! | [`size`] | sizes in bytes, as a user writes them |
 //! | [`limits`] | how much memory a simulation may take |
 //! | [`output`] | standard output and output files, whole or not at all |
-//! | [`progress`] | what is said on standard error |
+//! | [`progress`] | messages on standard error |
 //! | [`table`] | tables as text and as HTML |
 //! | [`plot`] | how graphs look |
-//! | [`summary`] | what a scene needs, and the bytes of its image |
+//! | [`summary`] | the features that a scene needs, and the bytes of its image |
 //! | [`sample`] | estimates from a sample |
 //! | [`results`] | the results of a sweep in files |
 //! | [`curve`] | the costs of a sweep as curves |
 //! | [`front`] | the front of speed against error |
 //! | [`metadata`] | the metadata law beside the paper's examples |
-//! | [`conform`] | what a conformance run found |
+//! | [`conform`] | the report of a conformance run |
 //! | [`prove`] | the theorems and how they are proved |
 //! | [`reproduce`] | the paper's figures, ours beside theirs |
 

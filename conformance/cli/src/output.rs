@@ -48,7 +48,7 @@ impl Stdout {
         self.out.flush().and_then(|()| self.out.get_mut().flush()).map_err(stdout_error)
     }
 
-    /// Writes what is still buffered. Without it, an error could go unseen.
+    /// Writes the rest of the buffer. Without it, an error could go unseen.
     ///
     /// # Errors
     /// If it cannot be written.
@@ -150,7 +150,7 @@ impl OutFile {
         builder.prefix(".saarcor-");
         #[cfg(unix)]
         {
-            // What a file has that is simply created; the user's mask applies.
+            // The permissions of an ordinary new file; the user's mask applies.
             use std::os::unix::fs::PermissionsExt;
             builder.permissions(fs::Permissions::from_mode(0o666));
         }

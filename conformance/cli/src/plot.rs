@@ -22,7 +22,7 @@ pub fn theme() -> Theme {
 }
 
 /// The same drawing with a name and a description, scaling with its place, and with colours of its
-/// own where it stands alone. `id` tells it from other graphs of a page.
+/// own where it stands alone. `id` distinguishes it from other graphs of a page.
 #[must_use]
 pub fn accessible(
     svg: &str,

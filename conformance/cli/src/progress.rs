@@ -1,4 +1,4 @@
-//! What is said on standard error: what is being done, and how far it is.
+//! Messages on standard error: the work in progress, and how far it is.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use saarcor_studies::monitor::{Monitor, Silent, Stage};
@@ -15,7 +15,7 @@ const BETWEEN_LINES: Duration = Duration::from_secs(10);
 /// Steps of a progress bar.
 const BAR_STEPS: u64 = 1000;
 
-/// Says on standard error what is being done: with bars on a terminal, with lines in a log.
+/// Reports work in progress on standard error: with bars on a terminal, with lines in a log.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
     form: Form,

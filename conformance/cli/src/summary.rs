@@ -1,4 +1,4 @@
-//! What a scene needs of the chip, and the bytes of its image, for a person to read.
+//! The features that a scene needs of the chip, and the bytes of its image, for a person to read.
 
 use crate::table::{Column, Table};
 use saarcor_model::host::Features;

@@ -48,7 +48,7 @@ mod tests {
     use glam::Vec3;
     use saarcor_model::host::Triangle;
 
-    /// A triangle for each distance, told apart by its first corner.
+    /// A triangle for each distance, distinguished by its first corner.
     fn triangles(distances: &[f32]) -> Vec<Triangle> {
         distances.iter().map(|&t| Triangle { corners: [Vec3::X * t; 3], material: 0 }).collect()
     }

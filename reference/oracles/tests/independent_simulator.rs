@@ -1,7 +1,7 @@
 //! The model's cache against a simulator that others wrote: the same trace gives the same hits and
 //! misses.
 //!
-//! `traces/*.toml` say what the simulator gave for a trace beside it. The README tells how they
+//! `traces/*.toml` say what the simulator gave for a trace beside it. The README describes how they
 //! are made.
 
 use saarcor_model::vm::{Bytes, CacheConfig, Directory, Geometry, Hash, HostAddr, LineAddr, Policy};

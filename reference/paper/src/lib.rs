@@ -18,7 +18,7 @@
 //! | [`table1`] | the scenes, ours beside the paper's |
 //! | [`figure3`] | working set and transfers, frame by frame |
 //! | [`table2`] | hot spots on the chip, ours beside the paper's |
-//! | [`verdicts`] | what the paper claims, and whether it holds here |
+//! | [`verdicts`] | the paper's claims, and whether they hold here |
 //! | [`reproduction`] | all of it in one run |
 
 mod error;

@@ -1,5 +1,5 @@
 //! The paper's figures, ours beside theirs: the metadata law (§3), Table 1, Figure 3 and Table 2
-//! (§4), and what the paper claims.
+//! (§4), and the paper's claims.
 
 use crate::error::ReproductionError;
 use crate::figure3::Graph;

@@ -51,7 +51,7 @@ pub struct Variation {
     pub hashed: bool,
     /// Metadata of all lines.
     pub metadata_bytes: u64,
-    /// What it took.
+    /// Its time and traffic.
     pub run: TimingRow,
 }
 
@@ -186,7 +186,7 @@ fn in_mb(bytes: u64) -> f64 {
     bytes as f64 / MB as f64
 }
 
-/// The four relations within a row that tell more than its digits.
+/// The four relations within a row that matter more than its digits.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Shape {
     /// fps(A) / fps(no VM).

@@ -262,7 +262,7 @@ mod tests {
         }
     }
 
-    /// Version B's metadata reads. Rows below 0.6 MB are printed too coarsely to tell.
+    /// Version B's metadata reads. Rows below 0.6 MB are printed too coarsely.
     #[test]
     fn version_b_moves_more() {
         let more = |row: &Table2Row| row.version_b.mem_mb / row.version_a.mem_mb;

@@ -1,4 +1,4 @@
-//! What the paper claims, and whether it holds here.
+//! The paper's claims, and whether they hold here.
 
 use crate::figure3::Graph;
 use crate::table2::{HotSpot, Shape, Variation};
@@ -22,7 +22,7 @@ pub enum Holds {
 }
 
 impl Holds {
-    /// Of what was found in each place.
+    /// From the findings in each place.
     fn of(places: impl IntoIterator<Item = bool>) -> Self {
         let (mut some, mut all) = (false, true);
         places.into_iter().for_each(|holds| (some, all) = (some | holds, all & holds));
@@ -51,7 +51,7 @@ pub struct ClaimVerdict {
     pub claim: String,
     /// Whether it holds.
     pub verdict: Holds,
-    /// By which numbers, place by place.
+    /// The numbers that decide it, place by place.
     pub numbers: Vec<String>,
 }
 
@@ -70,8 +70,8 @@ impl Range {
         })
     }
 
-    /// Both ends moved outwards by a quarter of their distance from 1: what differs by so little
-    /// from the paper's rows counts as the same.
+    /// Both ends moved outwards by a quarter of their distance from 1: values so near to the paper's rows
+    /// count as the same.
     fn widened(self) -> Self {
         let quarter = |end: f64| (end - 1.0).abs() / 4.0;
         Self { least: self.least - quarter(self.least), most: self.most + quarter(self.most) }
@@ -176,7 +176,7 @@ fn of_rows<'a>(
     ClaimVerdict { claim: claim.to_owned(), verdict: Holds::of(places), numbers }
 }
 
-/// Rows in which less is loaded show nothing of what is made of it.
+/// Rows that load less than this are too small to show where the bytes go.
 const WORTH_COUNTING_MB: f64 = 0.05;
 
 fn filled(spots: &[HotSpot]) -> ClaimVerdict {

@@ -4,7 +4,7 @@ use crate::trace::PacketSize;
 
 /// Work on packets of `N` rays.
 pub(crate) trait ForPackets {
-    /// What it gives.
+    /// Its result.
     type Output;
 
     /// Does the work.
@@ -23,7 +23,7 @@ pub(crate) fn with_packets<W: ForPackets>(size: PacketSize, work: W) -> W::Outpu
 
 /// Work on sets of `WAYS` ways.
 pub(crate) trait ForWays {
-    /// What it gives.
+    /// Its result.
     type Output;
 
     /// Does the work.

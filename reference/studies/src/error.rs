@@ -16,7 +16,7 @@ pub enum StudyError {
     UnknownScene {
         /// As the user wrote it.
         name: String,
-        /// What the user may have meant.
+        /// The scene that the user may have meant.
         suggestion: String,
     },
     /// The files of a scene are wrong.
@@ -79,7 +79,7 @@ pub enum StudyError {
     SmallSample {
         /// The part of the packets that was asked for.
         sample: String,
-        /// Of what it has too few, and what would be enough.
+        /// Why it is too small, and the smallest that is enough.
         why: String,
     },
     /// A line of a file of cases is no case.

@@ -28,7 +28,7 @@
 //! |---|---|
 //! | [`world`] | a scene made ready for the chip |
 //! | [`trace`] | how pictures are traced |
-//! | [`summary`] | what a scene needs, and the bytes of its image |
+//! | [`summary`] | the features that a scene needs, and the bytes of its image |
 //! | [`picture`] | a frame through any memory |
 //! | [`walk`] | step one of §4: the traffic of a walk through a scene |
 //! | [`simulate`] | step two of §4: a frame on the chip, cycle by cycle |
@@ -38,9 +38,9 @@
 //! | [`accuracy`] | triangle tests and number formats: speed against error |
 //! | [`crosscheck`] | the model, the exact judge and Embree, ray by ray |
 //! | [`standard`] | the standard configuration |
-//! | [`names`] | what kernels, versions and buses are called |
+//! | [`names`] | names of kernels, versions and buses |
 //! | [`monitor`] | how a study reports its stages |
-//! | [`error`] | what can go wrong |
+//! | [`error`] | why a study fails |
 
 pub mod accuracy;
 pub mod crosscheck;

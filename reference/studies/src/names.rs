@@ -1,4 +1,4 @@
-//! What is called how, on a command line and in rows.
+//! Names of kernels, versions, buses and the like, on a command line and in rows.
 
 use crate::trace::{PacketOrder, PacketSize};
 use saarcor_model::host::Kernel;

@@ -39,7 +39,7 @@ pub fn through_whole_scene(world: &World, frame: usize, options: &TraceOptions) 
     picture(&mut WholeScene(&world.image.bytes), world, frame, options)
 }
 
-/// The picture through a virtual memory that is empty at first, and what that did.
+/// The picture through a virtual memory that is empty at first, and the counters of that.
 #[must_use]
 pub fn through_virtual_memory(
     world: &World,

@@ -2,7 +2,7 @@
 //!
 //! [`record`] traces a frame once, on all cores, [`record_part`] some of its packets;
 //! [`simulate`](saarcor_fast::chip::simulate) plays what was recorded on any number of chips; [`TimingRow`]
-//! says what a run took.
+//! is the result of a run.
 
 use crate::dispatch::{ForPackets, with_packets};
 use crate::names::version_name;
@@ -24,12 +24,12 @@ use std::collections::BTreeMap;
 /// Packets traced before their colours are put into the picture: bounds the memory for colours.
 const PACKETS_A_BATCH: usize = 4096;
 
-/// A frame, traced: what its packets do, and what is seen.
+/// A traced frame: the programs of its packets, and the picture.
 #[derive(Clone, Debug)]
 pub struct Recording {
-    /// What the packets do.
+    /// The programs of the packets.
     pub programs: Programs,
-    /// What is seen, and the rays that it took.
+    /// The picture and its rays.
     pub picture: Picture,
 }
 
@@ -53,8 +53,8 @@ pub fn record(world: &World, frame: usize, options: &TraceOptions, order: Packet
     Recording { programs, picture: Picture { pixels, rays } }
 }
 
-/// Traces the `warm_up` frames before a frame, as far as the path has them: what they do. `report` learns
-/// the part that is done.
+/// The programs of the `warm_up` frames before a frame, as far as the path has them. `report` learns the
+/// part that is done.
 #[must_use]
 pub fn record_before(
     world: &World,
@@ -73,7 +73,7 @@ pub fn record_before(
         .collect()
 }
 
-/// What some packets of a frame do, in their order, and the rays of each.
+/// The programs of some packets of a frame, in their order, and the rays of each.
 #[must_use]
 pub fn record_part(
     world: &World,
@@ -145,7 +145,7 @@ impl ForPackets for TracePackets<'_> {
     }
 }
 
-/// What one frame took on a chip. Bytes are those of the frame.
+/// Time and traffic of one frame on a chip.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TimingRow {
     /// As the user named it.
@@ -192,7 +192,7 @@ pub struct TimingRow {
     pub units: BTreeMap<&'static str, UnitRow>,
 }
 
-/// What a cache did. All that is neither hit nor merged was a miss.
+/// Look-ups of a cache. All that are neither hits nor merged are misses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CacheRow {
     /// Lines looked up.
@@ -212,7 +212,7 @@ pub struct UnitRow {
     pub stalled: u64,
     /// No thread wanted the unit.
     pub idle: u64,
-    /// What the stalled cycles waited for.
+    /// The stalled cycles by cause.
     pub stalls: BTreeMap<&'static str, u64>,
     /// Packet operations.
     pub operations: u64,
@@ -252,7 +252,7 @@ impl From<UnitReport> for UnitRow {
 }
 
 impl TimingRow {
-    /// What a frame of a scene with so many rays took on a chip.
+    /// The row of a frame of a scene, with so many rays, from the report of a run.
     #[must_use]
     pub fn new(scene: &str, frame: usize, rays: u64, config: &ChipConfig, report: &TimingReport) -> Self {
         let cycles = report.cycles.max(1) as f64;

@@ -1,4 +1,4 @@
-//! What a scene needs of the chip, and the bytes of its image.
+//! The features that a scene needs of the chip, and the bytes of its image.
 
 use crate::world::World;
 use saarcor_model::host::{Features, Region};
@@ -31,7 +31,7 @@ pub fn region_name(region: Region) -> &'static str {
     }
 }
 
-/// What is known of a scene in host memory.
+/// Facts about a scene in host memory.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// The scene.
@@ -44,7 +44,7 @@ pub struct Summary {
     pub lights: u32,
     /// Frames of its path.
     pub frames: usize,
-    /// Names of what it needs of the chip.
+    /// Names of the features that it needs.
     pub needs: Vec<&'static str>,
     /// Bytes of the regions of [`Region::ALL`].
     pub regions: Vec<RegionBytes>,
@@ -58,7 +58,7 @@ pub struct Summary {
     pub leaves: usize,
     /// Entries of the kd-tree's lists.
     pub references: usize,
-    /// What it needs of the chip.
+    /// The features that it needs.
     #[serde(skip)]
     pub features: Features,
     /// Seconds that it took to load or generate the scene, to build its tree, to lay it out.

@@ -30,7 +30,7 @@ pub const AXES: [(&str, &str); 13] = [
     ("variant", "none,a,b"),
 ];
 
-/// What is varied, and the values that it takes: `line` or `line=64,128`.
+/// A parameter of the chip, and the values that it takes: `line` or `line=64,128`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Axis {
     /// Its name.
@@ -108,7 +108,7 @@ impl Shard {
     }
 }
 
-/// What tells the results of a sweep from those of another: a checksum of all that they depend on, the
+/// Distinguishes the results of a sweep from those of another: a checksum of all that they depend on, the
 /// scene's bytes and path as well as how it is simulated.
 #[must_use]
 pub fn identity(world: &World, scene: &str, how: &impl std::fmt::Debug) -> String {
@@ -152,9 +152,9 @@ pub struct Sweep<'a> {
     pub frame: usize,
     /// Rays of the frame.
     pub rays: u64,
-    /// What the frames before do, which warm the caches.
+    /// The frames before, which warm the caches.
     pub before: &'a [Programs],
-    /// What the frame does.
+    /// The traced frame.
     pub programs: &'a Programs,
     /// Checksum of the sweep, as [`identity`] makes it.
     pub identity: &'a str,
@@ -187,9 +187,9 @@ impl Sweep<'_> {
     }
 }
 
-/// What a point of one axis costs.
+/// The costs of a point of one axis.
 #[derive(Clone, Copy, Debug)]
-pub struct Costs {
+pub struct PointCosts {
     /// The point: a size, or a number.
     pub size: u64,
     /// Bytes loaded from the host.
@@ -198,7 +198,7 @@ pub struct Costs {
     pub metadata: u64,
 }
 
-impl Costs {
+impl PointCosts {
     /// The first of those whose product of both costs is least.
     #[must_use]
     pub fn best(costs: &[Self]) -> Option<&Self> {

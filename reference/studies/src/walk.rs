@@ -19,8 +19,8 @@ use serde::Serialize;
 use std::ops::{ControlFlow, Range};
 use std::time::Instant;
 
-/// Packets traced before the cache is shown what they read: bounds the memory for records, and is
-/// enough work for many cores.
+/// Packets traced before the cache plays their reads: bounds the memory for records, and is enough work
+/// for many cores.
 const PACKETS_A_BATCH: u32 = 1024;
 
 /// How a walk is made.
@@ -34,7 +34,7 @@ pub struct WalkOptions {
     pub trace: TraceOptions,
 }
 
-/// What one frame did.
+/// Traffic and working set of one frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct FrameRow {
     /// Number of the frame in the path.
@@ -63,7 +63,7 @@ pub struct FrameRow {
     pub loaded_bytes: u64,
 }
 
-/// What a walk did in all, and how long it took.
+/// Totals of a walk, and its time.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct WalkTotals {
     /// Rays of all kinds.
@@ -103,7 +103,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// What the walk did so far.
+    /// The totals so far.
     #[must_use]
     pub fn totals(&self) -> WalkTotals {
         self.totals
@@ -269,7 +269,7 @@ impl ForPackets for TraceFrame<'_> {
     }
 }
 
-/// What the cache did in one frame.
+/// Counts of the cache in one frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FrameCounts {
     /// Lines touched, as often as they were.

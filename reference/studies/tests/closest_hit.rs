@@ -69,7 +69,7 @@ fn traverse<const N: usize>(image: &HostImage, rays: &[Ray]) -> Vec<Option<(f32,
     found
 }
 
-/// What is hit where, by trying every one of `triangles` with the test `T`.
+/// The first hit, by trying every one of `triangles` with the test `T`.
 fn search<T: TriangleTest<f32> + Sync>(
     triangles: &[[Vec3; 3]],
     rays: &[Ray],
@@ -85,7 +85,7 @@ fn search<T: TriangleTest<f32> + Sync>(
     rays.par_iter().map(closest).collect()
 }
 
-/// What is hit where, by trying every one of `triangles` exactly.
+/// The first hit, by trying every one of `triangles` exactly.
 fn search_exactly(corners: &[[Vec3; 3]], rays: &[Ray]) -> Vec<Option<ClosestHit<f32>>> {
     let closest = |ray: &Ray| {
         let numbered = (0..).zip(corners.iter().copied());

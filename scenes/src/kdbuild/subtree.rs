@@ -205,7 +205,7 @@ struct Growth {
     ends: Vec<End>,
 }
 
-/// Tells the caller how much is done.
+/// Reports to the caller how much is done.
 pub(super) struct Progress<'a> {
     done: Mutex<u64>,
     report: &'a (dyn Fn(f64) + Sync),

@@ -3,7 +3,7 @@
 //! tobj reads fast, but it reports no line numbers, and lets pass what would give a wrong scene:
 //! numbers that are not finite, index 0 among texture coordinates and normals, materials that
 //! nobody defined, faces of one or two corners, and polylines (`l`), which it takes for faces. Of a
-//! mesh where only some faces have texture coordinates it does not tell which. [`CheckedLines`]
+//! mesh where only some faces have texture coordinates it does not say which. [`CheckedLines`]
 //! stands between the text and tobj: it stops at the first wrong line, hands on only the
 //! statements that make triangles (`v vt vn f usemtl`), and starts a new mesh wherever the parts
 //! that the corners of a face name change, so that each mesh has texture coordinates at all its
@@ -68,7 +68,7 @@ impl<'a> CheckedLines<'a> {
         })
     }
 
-    /// Sends all statements, and tells whether there is a face among them.
+    /// Sends all statements, and returns whether there is a face among them.
     fn send(mut self, to: SyncSender<String>) -> Result<bool, SceneError> {
         while let Some((index, line)) = self.lines.next() {
             self.check(line).map_err(|message| SceneError::at_line(self.path, index + 1, message))?;

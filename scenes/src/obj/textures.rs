@@ -22,7 +22,7 @@ const BUMP_KEYWORDS: [&str; 3] = ["map_Bump", "map_bump", "bump"];
 pub(crate) struct Textures<'a> {
     /// Sorted by path, so that the order of the images is that of their names.
     files: BTreeMap<(PathBuf, Texels), Request<'a>>,
-    /// The materials to be told their images' indices: material, and key of `files`.
+    /// The materials that need their images' indices: material, and key of `files`.
     users: Vec<(usize, (PathBuf, Texels))>,
 }
 
@@ -79,7 +79,7 @@ impl<'a> Textures<'a> {
         self.files.keys().map(|(path, _)| path.as_path())
     }
 
-    /// Decodes the images, on all cores, and tells `materials` their indices.
+    /// Decodes the images, on all cores, and writes their indices into `materials`.
     ///
     /// # Errors
     ///

@@ -10,8 +10,8 @@ use saarcor_paper::figure3::Graph;
 use saarcor_paper::tables::{MB, mb};
 use saarcor_studies::walk::FrameRow;
 
-/// What is drawn a frame, in MB: name, colour, style, bytes. The colours stand out from white and
-/// from black alike, and the styles tell the lines apart without them.
+/// A curve of MB a frame: name, colour, style, bytes. The colours stand out from white and from black
+/// alike, and the styles distinguish the lines without them.
 type Series = (&'static str, &'static str, LineStyle, fn(&FrameRow, u64) -> u64);
 
 const SERIES: [Series; 3] = [

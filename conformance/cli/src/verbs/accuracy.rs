@@ -12,7 +12,7 @@ use saarcor_studies::StudyError;
 use saarcor_studies::accuracy::case::Found;
 use saarcor_studies::accuracy::contest::{Contestant, Format};
 use saarcor_studies::accuracy::front::standings;
-use saarcor_studies::accuracy::measure::{AccuracyRow, Extent, Fault, measure};
+use saarcor_studies::accuracy::measure::{AccuracyRow, Fault, MeasureOptions, measure};
 use saarcor_studies::accuracy::replay::{self, Record, read, worst};
 use saarcor_studies::accuracy::scene::{self, Budget};
 use saarcor_studies::accuracy::suites::{SUITES, Suite, offset_faults};
@@ -87,7 +87,7 @@ impl Args {
             return self.needs(scene, budget, &contestants, cases, progress);
         }
         let files = self.out.as_deref().map(Files::check).transpose()?;
-        let extent = Extent { seed: self.seed, cases, repeats: REPEATS };
+        let extent = MeasureOptions { seed: self.seed, cases, repeats: REPEATS };
         let suites: Vec<&Suite> = SUITES.iter().filter(|suite| self.asks_for(suite)).collect();
         let mut rows = Vec::new();
         let mut out = Stdout::new();
@@ -214,7 +214,7 @@ fn rows_table(rows: &[AccuracyRow]) -> Table {
     table
 }
 
-/// What is written to a folder.
+/// The files of a folder.
 struct Files {
     rows: OutFile,
     graph: OutFile,
@@ -245,7 +245,7 @@ impl Files {
     }
 }
 
-/// Prints each case of a file, what is true of it, and what the contestants say.
+/// Prints each case of a file with the exact answer and those of the contestants.
 fn replay_file(file: &std::path::Path, contestants: &[Contestant]) -> Result<()> {
     let text =
         std::fs::read_to_string(file).with_context(|| format!("{}: cannot be read", file.display()))?;
@@ -257,7 +257,7 @@ fn replay_file(file: &std::path::Path, contestants: &[Contestant]) -> Result<()>
     out.finish()
 }
 
-/// A record, what is true of it, and what each contestant makes of it, a line each.
+/// A record, the exact answer, and that of each contestant, a line each.
 fn lines(record: &Record, contestants: &[Contestant]) -> Vec<String> {
     let replayed = replay::replay(record, contestants);
     let exact: Vec<_> = replayed.truth.0.iter().map(place).collect();

@@ -9,9 +9,9 @@ use anyhow::{Context, Result};
 use glam::Vec3;
 use saarcor_model::host::Kernel;
 use saarcor_oracles::embree::{ENVIRONMENTS, Embree};
-use saarcor_studies::crosscheck::judge::CaseRow;
+use saarcor_studies::crosscheck::judge::RayRow;
 use saarcor_studies::crosscheck::rays::{Question, questions};
-use saarcor_studies::crosscheck::{Counts, CrosscheckReport, Faults, crosscheck, kept};
+use saarcor_studies::crosscheck::{ClassCounts, CrosscheckReport, Faults, crosscheck, kept};
 use saarcor_studies::names::kernel_name;
 use saarcor_studies::world::World;
 use std::path::{Path, PathBuf};
@@ -56,7 +56,7 @@ impl Args {
         let out = self.out.as_deref().map(OutFile::check).transpose()?;
         let mut options = self.scene.options(None);
         options.kernel = self.scene.kernel.unwrap_or(Kernel::Adaptive);
-        // What is wrong with the scene is said first, also where there is no Embree.
+        // Errors of the scene come first, also where there is no Embree.
         let (world, scene) = World::open_with_scene(&options, progress)?;
         let embree = open_embree(&self.environment, progress)?;
         let triangles: Vec<[Vec3; 3]> = scene.triangles.iter().map(|triangle| triangle.corners).collect();
@@ -127,10 +127,10 @@ fn table(report: &CrosscheckReport) -> Table {
 }
 
 /// The counts in the order of the table's columns.
-fn numbers_of(counts: &Counts) -> [u64; 13] {
+fn numbers_of(counts: &ClassCounts) -> [u64; 13] {
     let Faults { wrong_hit: a, wrong_miss: b, wrong_triangle: c } = counts.embree_robust;
     let Faults { wrong_hit: d, wrong_miss: e, wrong_triangle: f } = counts.embree_fast;
-    let Counts { rays, agree, tie, edge, within_bound, embree_wrong, model_wrong, .. } = *counts;
+    let ClassCounts { rays, agree, tie, edge, within_bound, embree_wrong, model_wrong, .. } = *counts;
     [rays, agree, tie, edge, within_bound, embree_wrong, model_wrong, a, b, c, d, e, f]
 }
 
@@ -141,7 +141,7 @@ fn read(path: &Path) -> Result<Vec<Question>> {
 }
 
 /// A case as a line of text.
-fn text(case: &CaseRow) -> String {
+fn text(case: &RayRow) -> String {
     let answer = |answer: &Option<(u32, f32)>| match answer {
         Some((triangle, t)) => format!("{triangle} at {t}"),
         None => "nothing".to_owned(),

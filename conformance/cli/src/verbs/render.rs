@@ -38,7 +38,7 @@ pub struct Args {
     json: bool,
 }
 
-/// What the picture took.
+/// The rays of a picture, and its traffic.
 #[derive(Serialize)]
 struct PictureRow {
     frame: usize,
@@ -49,7 +49,7 @@ struct PictureRow {
     traffic: Option<Traffic>,
 }
 
-/// What the virtual memory did.
+/// Counters of the virtual memory.
 #[derive(Serialize)]
 struct Traffic {
     accesses: u64,

@@ -59,7 +59,7 @@ impl FrameArgs {
         Ok(World::open(&self.scene.options(Some(self.frame)), progress)?)
     }
 
-    /// What the frames before do that warm the caches, and the frame.
+    /// The programs of the frames before, which warm the caches, and the frame.
     pub fn record(&self, world: &World, progress: &Progress) -> (Vec<Programs>, Recording) {
         let (options, order) = (self.trace.options(), self.chip.order);
         let before = progress.during("trace of the frames before", |report| {

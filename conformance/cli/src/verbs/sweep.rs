@@ -14,7 +14,7 @@ use saarcor_model::time::ChipConfig;
 use saarcor_model::vm::Bytes;
 use saarcor_paper::mb;
 use saarcor_studies::summary::Summary;
-use saarcor_studies::sweep::{Axis, Costs, Point, Position, Shard, Sweep, grid, identity};
+use saarcor_studies::sweep::{Axis, Point, PointCosts, Position, Shard, Sweep, grid, identity};
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -52,7 +52,7 @@ pub struct Args {
 }
 
 impl Args {
-    /// Simulates what is left of the points, and prints all results.
+    /// Simulates the points that are left, and prints all results.
     pub fn run(self, progress: &Progress) -> Result<()> {
         let frame = &self.frame;
         let all = grid(&self.over);
@@ -164,7 +164,7 @@ const NUMBERS: [&str; 8] = [
     "l2_hits",
 ];
 
-/// What a result costs.
+/// A cost of a result.
 type Cost<'a> = &'a dyn Fn(&Value) -> u128;
 
 fn print(lines: &[String], Files { csv, svg, json }: Files) -> Result<()> {
@@ -196,7 +196,7 @@ fn print(lines: &[String], Files { csv, svg, json }: Files) -> Result<()> {
     if let Some(svg) = svg {
         let [axis] = axes[..] else { bail!("--svg: {} axes; curves are drawn over one", axes.len()) };
         let sizes = curve::sizes(rows.iter().filter_map(|row| row["at"][axis.as_str()].as_str()), axis)?;
-        let at = |(size, row)| Costs {
+        let at = |(size, row)| PointCosts {
             size,
             loaded: number(row, "pci_bytes"),
             metadata: number(row, "metadata_bytes"),

@@ -6,7 +6,7 @@ use saarcor_studies::world::kept::FOLDER;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// The binary, told to be quiet and to keep no worlds.
+/// The binary, which is to be quiet and to keep no worlds.
 pub fn saarcor(args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_saarcor"));
     command.args(args).arg("--quiet").env(FOLDER, "").stdin(Stdio::null());

@@ -4,7 +4,7 @@
 
 mod runner;
 
-pub use runner::{Answers, ENVIRONMENTS, Embree, EmbreeError};
+pub use runner::{ENVIRONMENTS, Embree, EmbreeAnswers, EmbreeError};
 
 use crate::exact::rational::{nearest_f64, solve};
 use glam::{DVec3, Vec3};

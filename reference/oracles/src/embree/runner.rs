@@ -40,7 +40,7 @@ pub enum EmbreeError {
 
 /// What Embree answers to each ray: with its flag for robust intersection, and by default.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Answers {
+pub struct EmbreeAnswers {
     /// With the flag.
     pub robust: Vec<Option<Hit>>,
     /// Without.
@@ -83,7 +83,7 @@ impl Embree {
     ///
     /// # Errors
     /// [`EmbreeError::Absent`] if it does not run.
-    pub fn intersect(&self, triangles: &[[Vec3; 3]], rays: &[Ray]) -> Result<Answers, EmbreeError> {
+    pub fn intersect(&self, triangles: &[[Vec3; 3]], rays: &[Ray]) -> Result<EmbreeAnswers, EmbreeError> {
         let folder = tempfile::tempdir().map_err(EmbreeError::Folder)?;
         let file = |name: &str| folder.path().join(name);
         let script = file("intersect.py");
@@ -101,7 +101,7 @@ impl Embree {
             answers.ok_or_else(|| EmbreeError::Absent(format!("its answers '{name}' are not one a ray")))
         };
         let [robust, fast] = FLAGS.map(answers);
-        Ok(Answers { robust: robust?, fast: fast? })
+        Ok(EmbreeAnswers { robust: robust?, fast: fast? })
     }
 }
 

@@ -1,4 +1,4 @@
-//! A ray against a few triangles, and what is true of it.
+//! A ray against a few triangles, and the exact answer.
 
 use glam::Vec3;
 use saarcor_model::rays::Ray;
@@ -14,7 +14,7 @@ pub struct Case {
     pub triangles: Vec<[Vec3; 3]>,
 }
 
-/// What a ray hits, in the numbers of a judge or of a contestant.
+/// A hit, in the numbers of the judge or of a contestant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
     /// The triangle's place.
@@ -25,13 +25,13 @@ pub struct Found {
     pub weights: [f64; 2],
 }
 
-/// What a ray hits first, exactly; the numbers are the nearest f64. Several triangles, if they are
+/// The first hit of a ray, exactly; the numbers are the nearest f64. Several triangles, if they are
 /// hit at the very same distance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth(pub Vec<Found>);
 
 impl Truth {
-    /// What is true of a case.
+    /// The exact answer to a case.
     #[must_use]
     pub fn of(case: &Case) -> Self {
         let numbered = (0..).zip(case.triangles.iter().copied());
@@ -44,7 +44,7 @@ impl Truth {
         Self(found.collect())
     }
 
-    /// What is true of the triangle, if it is one of those that are hit first.
+    /// The hit of this triangle, if it is one of those that are hit first.
     #[must_use]
     pub fn of_triangle(&self, triangle: u32) -> Option<&Found> {
         self.0.iter().find(|found| found.triangle == triangle)

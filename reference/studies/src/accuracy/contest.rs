@@ -1,4 +1,4 @@
-//! Kernels in number formats: what they find, and how long they take.
+//! Kernels in number formats: their answers, and their time.
 
 use super::case::{Case, Found};
 use crate::names::{Names, name_of};
@@ -63,7 +63,7 @@ impl Format {
 pub struct Contestant {
     /// The triangle test.
     pub kernel: Kernel,
-    /// What it computes in. The adaptive test takes and gives f32, and there is no other.
+    /// The format that it computes in. The adaptive test has f32 alone.
     pub format: Format,
 }
 
@@ -76,7 +76,7 @@ impl Contestant {
         Kernel::ALL.into_iter().flat_map(formats).filter(exists).collect()
     }
 
-    /// What the contestant finds in each case, and the seconds of one thread for all: the least of
+    /// The contestant's answer to each case, and the seconds of one thread for all: the least of
     /// `repeats` runs, without the preparation of rays and triangles.
     #[must_use]
     pub fn run(self, cases: &[Case], repeats: u32) -> (Vec<Option<Found>>, f64) {
@@ -101,9 +101,9 @@ fn run_kernel<R: formats::Format>(kernel: Kernel, cases: &[Case], repeats: u32) 
     }
 }
 
-/// Cases with rays and triangles prepared, and room for what is found.
+/// Cases with rays and triangles prepared, and room for the answers.
 struct Prepared<P, T, H> {
-    /// A ray, and how many triangles are its.
+    /// Each ray with the number of its triangles.
     rays: Vec<(P, usize)>,
     triangles: Vec<T>,
     found: Vec<Option<(u32, H)>>,

@@ -49,7 +49,7 @@ impl Fault {
     }
 }
 
-/// What a contestant did in some cases of a suite.
+/// A contestant's results in some cases of a suite.
 #[derive(Clone, Debug, Default)]
 struct Tally {
     /// By the order of [`Fault::ALL`].
@@ -109,7 +109,7 @@ impl Tally {
     }
 }
 
-/// The value that a part of `values`, 0 to 1, does not exceed; 0 where there are none.
+/// The quantile of `values` at `part`, 0 to 1; 0 where there are none.
 pub(super) fn quantile(values: &mut [f64], part: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
@@ -118,7 +118,7 @@ pub(super) fn quantile(values: &mut [f64], part: f64) -> f64 {
     *values.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
-/// What a contestant did on a suite.
+/// A contestant's results on a suite.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AccuracyRow {
     /// Name of the kernel.
@@ -183,7 +183,7 @@ pub struct Worst {
 
 /// How much to measure.
 #[derive(Clone, Copy, Debug)]
-pub struct Extent {
+pub struct MeasureOptions {
     /// Of the cases.
     pub seed: u64,
     /// Cases a suite.
@@ -200,7 +200,7 @@ pub struct Extent {
 pub fn measure(
     suite: &'static Suite,
     contestants: &[Contestant],
-    extent: Extent,
+    extent: MeasureOptions,
     report: &(dyn Fn(f64) + Sync),
 ) -> Vec<AccuracyRow> {
     let done = std::sync::atomic::AtomicU64::new(0);
@@ -237,7 +237,7 @@ fn tests(cases: &[Case]) -> u64 {
     cases.iter().map(|case| case.triangles.len() as u64).sum()
 }
 
-/// What each contestant does on the cases of these numbers.
+/// The results of each contestant on the cases of these numbers.
 fn tallies(numbers: Range<u64>, cases: &[Case], contestants: &[Contestant], repeats: u32) -> Vec<Tally> {
     let truths: Vec<_> = cases.iter().map(Truth::of).collect();
     let tests = tests(cases).max(1) as f64;

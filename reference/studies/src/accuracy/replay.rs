@@ -1,4 +1,4 @@
-//! Cases as small files, to be looked at again.
+//! Cases as small files, to be asked again.
 
 use super::case::{Case, Found, Truth};
 use super::contest::Contestant;
@@ -9,11 +9,11 @@ use glam::Vec3;
 use saarcor_model::rays::Ray;
 use serde::{Deserialize, Serialize};
 
-/// A case with what it shows. A line of JSON; f32 are written so that they read back the same, and
+/// A case with its explanation. A line of JSON; f32 are written so that they read back the same, and
 /// an infinite end of the range is left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// What it shows of which contestant.
+    /// The fault that it shows, and of which contestant.
     pub shows: String,
     origin: [f32; 3],
     direction: [f32; 3],
@@ -52,8 +52,8 @@ impl Record {
     }
 }
 
-/// The cases that show best what is wrong in `row`: the first of each fault, and the largest error
-/// of the distance.
+/// The cases that show the faults in `row` best: the first of each fault, and the largest error of the
+/// distance.
 #[must_use]
 pub fn worst(row: &AccuracyRow, suite: &Suite, seed: u64) -> Vec<Record> {
     let record = |what: &str, number: u64| {
@@ -82,9 +82,9 @@ pub fn read(text: &str) -> Result<Vec<Record>, StudyError> {
 /// A recorded case, asked again.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReplayedCase {
-    /// What is true of it.
+    /// The exact answer.
     pub truth: Truth,
-    /// What each contestant finds, and how that is wrong.
+    /// The answer of each contestant, and its fault.
     pub answers: Vec<(Contestant, Option<Found>, Option<Fault>)>,
 }
 

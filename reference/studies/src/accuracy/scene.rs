@@ -1,4 +1,4 @@
-//! What a scene needs: the cheapest contestant that is accurate enough on the scene's own rays.
+//! The cheapest contestant that is accurate enough on a scene's own rays.
 
 use super::case::Case;
 use super::contest::{Contestant, Format};
@@ -118,8 +118,8 @@ pub fn rows(cases: &[Case], contestants: &[Contestant], repeats: u32) -> Vec<Acc
 }
 
 /// The triangle tests, the cheapest first: the order in which [`rows`] puts them in f32, where one
-/// core took 19, 23, 32, 32 and 35 ns a test on a real conference room. It is fixed, so that what is
-/// chosen does not depend on a clock.
+/// core took 19, 23, 32, 32 and 35 ns a test on a real conference room. It is fixed, so that
+/// the choice does not depend on a clock.
 const BY_COST: [Kernel; 5] =
     [Kernel::Wald, Kernel::MollerTrumbore, Kernel::Plucker, Kernel::Watertight, Kernel::Adaptive];
 
@@ -130,7 +130,7 @@ const RAYS: u64 = 100_000;
 /// Which of the same rays each run takes.
 const SEED: u64 = 1;
 
-/// The cheapest triangle test that stays inside the budget on the scene's rays, and what it did: in
+/// The cheapest triangle test that stays inside the budget on the scene's rays, and its row: in
 /// f32, the format in which the chip computes (IS-5). The world is one of [`KERNEL`].
 ///
 /// # Errors

@@ -1,6 +1,6 @@
-//! Who is right about a ray, by exact arithmetic.
+//! Judges answers about a ray by exact arithmetic.
 
-use super::rays::{Kind, Question};
+use super::rays::{Question, RayKind};
 use glam::Vec3;
 use saarcor_model::host::{HostImage, Kernel};
 use saarcor_model::rays::Ray;
@@ -22,7 +22,7 @@ pub enum Fault {
     WrongTriangle,
 }
 
-/// What exact arithmetic says of an answer.
+/// The finding of exact arithmetic on an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Finding {
     /// It is one of the triangles that are hit first, or nothing where nothing is hit.
@@ -36,7 +36,7 @@ enum Finding {
     Wrong(Fault),
 }
 
-/// What became of a ray. The first that applies, from the last to the first.
+/// The class of a ray: the last one that applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Class {
@@ -82,16 +82,16 @@ pub struct Answers {
     pub fast: Option<Hit>,
 }
 
-/// A question with its answers and what is true.
+/// A question with its answers and the exact one.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Case {
+pub struct JudgedRay {
     /// The question.
     pub question: Question,
     /// The answers.
     pub answers: Answers,
-    /// What is hit first, in exact arithmetic.
+    /// The first hit, in exact arithmetic.
     pub truth: Option<Closest>,
-    /// What became of it.
+    /// Its class.
     pub class: Class,
     /// How the model is wrong. A wrong distance of the right triangle, and another answer for any
     /// hit than for the closest, have no fault of their own.
@@ -102,13 +102,13 @@ pub struct Case {
     pub fast: Option<Fault>,
 }
 
-/// A case in words and numbers: triangles with their distances.
+/// A judged ray in words and numbers: triangles with their distances.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct CaseRow {
-    /// What became of it.
+pub struct RayRow {
+    /// Its class.
     pub class: Class,
     /// Where the ray comes from.
-    pub kind: Kind,
+    pub kind: RayKind,
     /// The triangles that are hit first.
     pub exact: Vec<u32>,
     /// The model's answer.
@@ -119,12 +119,12 @@ pub struct CaseRow {
     pub fast: Option<(u32, f32)>,
 }
 
-impl Case {
-    /// The case as a row.
+impl JudgedRay {
+    /// The ray as a row.
     #[must_use]
-    pub fn row(&self) -> CaseRow {
+    pub fn row(&self) -> RayRow {
         let answer = |hit: Option<Hit>| hit.map(|hit| (hit.triangle, hit.t));
-        CaseRow {
+        RayRow {
             class: self.class,
             kind: self.question.kind,
             exact: self.truth.iter().flat_map(|first| &first.triangles).map(|(id, _)| *id).collect(),
@@ -158,7 +158,7 @@ impl<'a> Judge<'a> {
 
     /// Judges the answers to a question.
     #[must_use]
-    pub fn case(&self, question: Question, answers: Answers) -> Case {
+    pub fn judged(&self, question: Question, answers: Answers) -> JudgedRay {
         let ray = &question.ray;
         let truth = self.closest(ray, [answers.model, answers.robust, answers.fast]);
         let of_model = self.find(ray, &truth, answers.model);
@@ -183,10 +183,10 @@ impl<'a> Judge<'a> {
             Class::Agree
         };
         let [model, robust, fast] = faults;
-        Case { question, answers, truth, class, model, robust, fast }
+        JudgedRay { question, answers, truth, class, model, robust, fast }
     }
 
-    /// What `ray` hits first. A claim that is a hit bounds how far there is to look.
+    /// The first hit of `ray`. A claim that is a hit bounds the distance to search.
     fn closest(&self, ray: &Ray, claims: [Option<Hit>; 3]) -> Option<Closest> {
         let hits = claims.iter().flatten().map(|claim| &self.triangles[claim.triangle as usize]);
         let farthest = hits
@@ -227,7 +227,7 @@ impl<'a> Judge<'a> {
             greatest - slack(greatest) <= reported && reported <= least + slack(least)
         };
         let Distance { least, greatest } = Estimate::new(ray, corners).distance();
-        // The nearest f64 is off by far less than what an f32 leaves out: nothing is decided by it.
+        // The error of the nearest f64 is far below an f32's: it decides nothing.
         is_near(least, greatest)
             || solve(ray, corners).is_some_and(|point| {
                 let t = rational::nearest_f64(&point.t);
@@ -235,7 +235,7 @@ impl<'a> Judge<'a> {
             })
     }
 
-    /// What is to be said of an answer.
+    /// The finding on an answer.
     fn find(&self, ray: &Ray, truth: &Option<Closest>, answer: Option<Hit>) -> Finding {
         match (truth, answer) {
             (None, None) => Finding::Right,
@@ -313,7 +313,7 @@ mod tests {
 
     /// The case of a ray along z from (x, y, 0) up to `t_max`, with answers by triangle and
     /// distance. `kernel` is the model's.
-    fn case(kernel: Kernel, [x, y, t_max]: [f32; 3], answers: [Option<(u32, f32)>; 3]) -> Case {
+    fn case(kernel: Kernel, [x, y, t_max]: [f32; 3], answers: [Option<(u32, f32)>; 3]) -> JudgedRay {
         let corners = corners();
         let triangles = corners.iter().map(|&corners| Triangle { corners, material: 0 }).collect();
         let scene = Scene { triangles, materials: vec![Material::default()], ..Scene::default() };
@@ -323,7 +323,7 @@ mod tests {
         let [model, robust, fast] =
             answers.map(|answer| answer.map(|(triangle, t)| Hit { triangle, t, u: 0.0, v: 0.0 }));
         let answers = Answers { model, any: model.is_some(), robust, fast };
-        Judge::new(&corners, &image).case(Question { kind: Kind::Aimed, ray }, answers)
+        Judge::new(&corners, &image).judged(Question { kind: RayKind::Aimed, ray }, answers)
     }
 
     const INSIDE: [f32; 3] = [1.0, 1.0, f32::INFINITY];

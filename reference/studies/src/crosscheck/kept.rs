@@ -1,11 +1,11 @@
-//! Rays that were found to be of interest, as text, to be asked again.
+//! Interesting rays as text, to be asked again.
 //!
 //! A row a ray: class, kind, three coordinates of the origin, three components of the direction,
 //! and the distance at which it ends. Numbers are the shortest decimals that read back as the same
 //! f32. `#` begins a comment.
 
-use super::judge::{Case, Class};
-use super::rays::{Kind, Question};
+use super::judge::{Class, JudgedRay};
+use super::rays::{Question, RayKind};
 use crate::error::StudyError;
 use glam::Vec3;
 use saarcor_model::rays::Ray;
@@ -15,7 +15,7 @@ use std::fmt::Write;
 /// The rays on which not all agree, as text: of each class the first `most`. `command` says how
 /// they are asked again.
 #[must_use]
-pub fn to_text(cases: &[Case], most: usize, command: &str) -> String {
+pub fn to_text(cases: &[JudgedRay], most: usize, command: &str) -> String {
     let mut text = format!("# Asked again by: {command}\n# class, kind, origin, direction, end of the ray\n");
     let mut counts = BTreeMap::<&str, usize>::new();
     for case in cases.iter().filter(|case| case.class != Class::Agree) {
@@ -33,7 +33,7 @@ pub fn to_text(cases: &[Case], most: usize, command: &str) -> String {
 /// The rays of such a text. `name` is the file's, for errors.
 ///
 /// # Errors
-/// The first row that is none, and what it should be.
+/// The first row that is not a ray, and the form of a right one.
 pub fn from_text(text: &str, name: &str) -> Result<Vec<Question>, StudyError> {
     let rows = (1..).zip(text.lines()).map(|(number, line)| (number, line.split('#').next().unwrap_or("")));
     let rows = rows.filter(|(_, line)| !line.trim().is_empty());
@@ -41,15 +41,15 @@ pub fn from_text(text: &str, name: &str) -> Result<Vec<Question>, StudyError> {
     rows.map(|(number, line)| question(line).map_err(|why| error(number, why))).collect()
 }
 
-/// The ray of a row, or what is wrong with it and what would be right.
+/// The ray of a row, or what is wrong with the row and would be right.
 fn question(line: &str) -> Result<Question, String> {
     let fields: Vec<_> = line.split_whitespace().collect();
     let [_, kind, numbers @ ..] = &fields[..] else {
         return Err("write class, kind and seven numbers".to_owned());
     };
-    let known = Kind::ALL.into_iter().find(|known| known.name() == *kind);
+    let known = RayKind::ALL.into_iter().find(|known| known.name() == *kind);
     let kind = known.ok_or_else(|| {
-        format!("no such kind of ray: write one of {}", Kind::ALL.map(Kind::name).join(", "))
+        format!("no such kind of ray: write one of {}", RayKind::ALL.map(RayKind::name).join(", "))
     })?;
     let number = |text: &&str| text.parse().map_err(|error| format!("'{text}' is no number: {error}"));
     let numbers: Vec<f32> = numbers.iter().map(number).collect::<Result<_, _>>()?;
@@ -71,10 +71,10 @@ mod tests {
     use super::*;
     use crate::crosscheck::judge::Answers;
 
-    fn case(class: Class, ray: Ray) -> Case {
+    fn case(class: Class, ray: Ray) -> JudgedRay {
         let answers = Answers { model: None, any: false, robust: None, fast: None };
-        let question = Question { kind: Kind::Aimed, ray };
-        Case { question, answers, truth: None, class, model: None, robust: None, fast: None }
+        let question = Question { kind: RayKind::Aimed, ray };
+        JudgedRay { question, answers, truth: None, class, model: None, robust: None, fast: None }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! The exact judge decides every ray, also those on which all agree: they could be wrong together.
 //! Besides, some rays are searched among all triangles with the model's own triangle test, so that
-//! what its kd-tree traversal loses shows without the judge's hierarchy (KD-4).
+//! hits that its kd-tree traversal loses show without the judge's hierarchy (KD-4).
 
 pub mod judge;
 pub mod kept;
@@ -12,9 +12,9 @@ use crate::error::StudyError;
 use crate::monitor::Monitor;
 use crate::world::World;
 use glam::Vec3;
-use judge::{Answers, Case, Class, Fault, Judge};
+use judge::{Answers, Class, Fault, Judge, JudgedRay};
 use rayon::prelude::*;
-use rays::{Kind, Question, hit, traverse};
+use rays::{Question, RayKind, hit, traverse};
 use saarcor_fast::adaptive::FilteredIntersection;
 use saarcor_model::host::{HostImage, TRIANGLE_BYTES};
 use saarcor_model::rays::{Hits, IntersectionUnit, Intervals, Packet, Query, Ray, StoredTriangle};
@@ -62,9 +62,9 @@ impl AddAssign for Faults {
     }
 }
 
-/// Rays by what became of them: the classes add up to `rays`.
+/// Rays by class: the classes add up to `rays`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Counts {
+pub struct ClassCounts {
     /// All rays.
     pub rays: u64,
     /// [`Class::Agree`].
@@ -85,8 +85,8 @@ pub struct Counts {
     pub embree_fast: Faults,
 }
 
-impl Counts {
-    fn of<'a>(cases: impl IntoIterator<Item = &'a Case>) -> Self {
+impl ClassCounts {
+    fn of<'a>(cases: impl IntoIterator<Item = &'a JudgedRay>) -> Self {
         let mut counts = Self::default();
         for case in cases {
             counts.rays += 1;
@@ -114,22 +114,22 @@ pub struct CrosscheckReport {
     pub kernel: &'static str,
     /// All rays together.
     #[serde(flatten)]
-    pub all: Counts,
+    pub all: ClassCounts,
     /// Rays that were searched among all triangles as well. One for which the model's traversal
     /// answers otherwise is among `model_wrong`.
     pub searched: u64,
     #[serde(skip)]
-    kinds: [Counts; Kind::ALL.len()],
+    kinds: [ClassCounts; RayKind::ALL.len()],
 }
 
 impl CrosscheckReport {
     /// The rays of each kind.
-    pub fn by_kind(&self) -> impl Iterator<Item = (Kind, &Counts)> {
-        Kind::ALL.into_iter().zip(&self.kinds)
+    pub fn by_kind(&self) -> impl Iterator<Item = (RayKind, &ClassCounts)> {
+        RayKind::ALL.into_iter().zip(&self.kinds)
     }
 }
 
-/// Asks model, judge and Embree about `questions`, and returns what became of each.
+/// Asks model, judge and Embree about `questions`, and classifies each.
 ///
 /// # Errors
 /// If Embree does not run.
@@ -140,19 +140,19 @@ pub fn crosscheck(
     questions: &[Question],
     embree: &Embree,
     monitor: &dyn Monitor,
-) -> Result<(CrosscheckReport, Vec<Case>), StudyError> {
+) -> Result<(CrosscheckReport, Vec<JudgedRay>), StudyError> {
     let rays: Vec<Ray> = questions.iter().map(|question| question.ray).collect();
     let name = |what: &str| format!("{}: {what}", world.name);
     let theirs = monitor.during(&name("Embree"), |_| embree.intersect(triangles, &rays))?;
     let [closest, any] = monitor.during(&name("model"), |_| {
         [Query::Closest, Query::Any].map(|query| traverse(&world.image, &rays, query))
     });
-    let mut cases: Vec<Case> = monitor.during(&name("exact judge"), |_| {
+    let mut cases: Vec<JudgedRay> = monitor.during(&name("exact judge"), |_| {
         let judge = Judge::new(triangles, &world.image);
         let case = |place: usize| {
             let (model, any) = (closest[place], any[place].is_some());
             let answers = Answers { model, any, robust: theirs.robust[place], fast: theirs.fast[place] };
-            judge.case(questions[place], answers)
+            judge.judged(questions[place], answers)
         };
         (0..questions.len()).into_par_iter().with_min_len(BATCH).map(case).collect()
     });
@@ -168,18 +168,18 @@ pub fn crosscheck(
             cases[place].class = Class::ModelWrong;
         }
     }
-    let of_kind = |kind| Counts::of(cases.iter().filter(|case| case.question.kind == kind));
+    let of_kind = |kind| ClassCounts::of(cases.iter().filter(|case| case.question.kind == kind));
     let report = CrosscheckReport {
         scene: world.name.clone(),
         kernel,
-        all: Counts::of(&cases),
+        all: ClassCounts::of(&cases),
         searched: places.len() as u64,
-        kinds: Kind::ALL.map(of_kind),
+        kinds: RayKind::ALL.map(of_kind),
     };
     Ok((report, cases))
 }
 
-/// What the model's triangle test hits first among all triangles of the image, without a tree.
+/// The first hits by the model's triangle test among all triangles of the image, without a tree.
 #[must_use]
 pub fn search(image: &HostImage, triangles: &[[Vec3; 3]], rays: &[Ray]) -> Vec<Option<Hit>> {
     let first = image.registers.triangles.0;

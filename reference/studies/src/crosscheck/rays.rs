@@ -15,7 +15,7 @@ use serde::Serialize;
 /// Where a ray comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub enum RayKind {
     /// From a camera of the path through the centre of a pixel.
     Primary,
     /// From a surface that a primary ray hits to a light.
@@ -26,7 +26,7 @@ pub enum Kind {
     Aimed,
 }
 
-impl Kind {
+impl RayKind {
     /// All kinds, in the order in which they are asked.
     pub const ALL: [Self; 4] = [Self::Primary, Self::Shadow, Self::Random, Self::Aimed];
 
@@ -46,7 +46,7 @@ impl Kind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Question {
     /// Where the ray comes from.
-    pub kind: Kind,
+    pub kind: RayKind,
     /// The ray.
     pub ray: Ray,
 }
@@ -61,7 +61,7 @@ const BATCH: usize = 1 << 12;
 #[must_use]
 pub fn questions(world: &World, triangles: &[[Vec3; 3]], count: usize, seed: u64) -> Vec<Question> {
     let mut random = Random::new(seed);
-    let quarter = count / Kind::ALL.len();
+    let quarter = count / RayKind::ALL.len();
     let primary = primary_rays(world, &mut random, quarter);
     let shadow = shadow_rays(world, &primary, &mut random);
     let aimed: Vec<Ray> = match triangles {
@@ -70,7 +70,7 @@ pub fn questions(world: &World, triangles: &[[Vec3; 3]], count: usize, seed: u64
     };
     let rest = count - primary.len() - shadow.len() - aimed.len();
     let arbitrary = (0..rest).map(|_| random_ray(world, &mut random)).collect();
-    let kinds = Kind::ALL.into_iter().zip([primary, shadow, arbitrary, aimed]);
+    let kinds = RayKind::ALL.into_iter().zip([primary, shadow, arbitrary, aimed]);
     kinds.flat_map(|(kind, rays)| rays.into_iter().map(move |ray| Question { kind, ray })).collect()
 }
 
@@ -96,7 +96,7 @@ fn shadow_rays(world: &World, primary: &[Ray], random: &mut Random) -> Vec<Ray> 
     if registers.lights.is_empty() {
         return Vec::new();
     }
-    // Shadow rays do not depend on what is read of textures.
+    // Shadow rays do not depend on textures.
     let thin = Cones { spread: 0.0, begin: [0.0; PACKET] };
     let seen: Vec<_> = primary
         .par_chunks(BATCH)
@@ -172,7 +172,7 @@ fn packet(rays: &[Ray]) -> Packet<PACKET> {
     Packet::new(std::array::from_fn(|lane| rays.get(lane).copied()))
 }
 
-/// What the chip answers to each question: its pipeline on the image, without a cache.
+/// The chip's answer to each question: its pipeline on the image, without a cache.
 #[must_use]
 pub fn traverse(image: &HostImage, rays: &[Ray], query: Query) -> Vec<Option<Hit>> {
     rays.par_chunks(BATCH)
@@ -188,7 +188,7 @@ pub fn traverse(image: &HostImage, rays: &[Ray], query: Query) -> Vec<Option<Hit
         .collect()
 }
 
-/// What the ray in `lane` hit, by the scene's number of the triangle.
+/// The hit of the ray in `lane`, with the scene's number of the triangle.
 pub(super) fn hit<const N: usize>(image: &HostImage, hits: &Hits<N>, lane: usize) -> Option<Hit> {
     hits.is_hit(lane).then(|| Hit {
         triangle: image.triangle_id(HostAddr(hits.triangle[lane])),

@@ -146,7 +146,7 @@ pub fn batches(count: usize, least: usize) -> impl Iterator<Item = std::ops::Ran
 }
 
 /// A number of loads by the virtual memory: of lines that neither an earlier packet nor the picture
-/// before has read. From few rays, `rough`, such lines are told with few rays on both sides of the
+/// before has read. From few rays, `rough`, such lines are detected with few rays on both sides of the
 /// comparison; it may err either way, and is the estimate. With all rays, `fine`, of packets of the
 /// sample alone, what the others read is known in part only, and more lines seem new than are: that
 /// is the interval's upper end. Each of them may have been read by what few rays have not seen, so the

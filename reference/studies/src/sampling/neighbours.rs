@@ -88,8 +88,8 @@ impl Neighbours {
         Self { first, seen }
     }
 
-    /// How many times as many lines all rays may evict of the on-board memory as few rays: these
-    /// fill it with a share of the lines only, at least as many as there are fewer rays.
+    /// Upper bound on the evictions by the full trace relative to those by the coarse one: a coarse packet
+    /// touches a share of the lines, at least the share of the rays that it traces.
     #[must_use]
     pub fn crowding(&self) -> f64 {
         1.0 / self.seen.into_iter().fold(1.0, f64::min).max(1.0 / f64::from(SHRINK * SHRINK))

@@ -53,7 +53,7 @@ impl WorldOptions {
     }
 }
 
-/// A scene in host memory, and what was learned on the way there.
+/// A scene in host memory, with facts about its triangles, its tree and its preparation.
 #[derive(Clone, Debug)]
 pub struct World {
     /// As the user named it.
@@ -117,7 +117,7 @@ impl World {
         }
     }
 
-    /// The world, and what it was made of if it was not kept.
+    /// The world, and its scene and tree unless it was kept.
     fn find_or_make(
         options: &WorldOptions,
         monitor: &dyn Monitor,
@@ -190,7 +190,7 @@ impl World {
     }
 }
 
-/// A world, and what it was made of.
+/// A new world with its sources.
 struct Construction {
     world: World,
     scene: Scene,

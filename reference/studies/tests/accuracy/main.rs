@@ -10,7 +10,7 @@ use saarcor_oracles::bounded::Bounded;
 use saarcor_oracles::formats::{self, Bf16, Double, F16, F24};
 use saarcor_studies::accuracy::case::{Case, Truth};
 use saarcor_studies::accuracy::contest::{Contestant, Format};
-use saarcor_studies::accuracy::measure::{AccuracyRow, Extent, measure};
+use saarcor_studies::accuracy::measure::{AccuracyRow, MeasureOptions, measure};
 use saarcor_studies::accuracy::suites::{SUITES, Suite};
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -21,7 +21,7 @@ const FEW: u64 = 2_000;
 const MANY: u64 = 100_000;
 
 fn rows(suite: &'static Suite, kernel: Kernel, format: Format, seed: u64, cases: u64) -> AccuracyRow {
-    let extent = Extent { seed, cases, repeats: 1 };
+    let extent = MeasureOptions { seed, cases, repeats: 1 };
     measure(suite, &[Contestant { kernel, format }], extent, &|_| {}).remove(0)
 }
 

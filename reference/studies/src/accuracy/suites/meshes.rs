@@ -16,7 +16,7 @@ use std::ops::Range;
 /// Squares of the grid around and along.
 const CELLS: [i32; 2] = [48, 24];
 
-/// How near: twice what a number of 8 bits is off by at the scan's place.
+/// Twice the rounding error of a number of 8 bits at the scan's place.
 const NEAR: f64 = 1.0 / 16.0;
 
 /// Aims from `inside` at a vertex or an edge of the mesh whose vertices `vertex` gives, of those

@@ -56,7 +56,7 @@ pub(super) const SHADOW: Suite = Suite {
     },
 };
 
-/// What the rule for the begin of such rays (RG-3) does wrong, whatever the kernel: judged exactly.
+/// Faults of the rule for the begin of such rays (RG-3), whatever the kernel: judged exactly.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct OffsetFaults {
     /// Rays.
