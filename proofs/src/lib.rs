@@ -64,6 +64,7 @@ pub fn theorems() -> impl Iterator<Item = &'static theorem::Theorem> {
         equal::directory::THEOREMS,
         equal::version_b::THEOREMS,
         equal::first_level::THEOREMS,
+        equal::adaptive::THEOREMS,
     ]
     .into_iter()
     .flatten()

@@ -8,6 +8,7 @@
 //! events), theorems compare whole runs, of all programs of a counted small scope and of programs at
 //! random; they say `not_for_kani` and why.
 
+pub mod adaptive;
 pub mod directory;
 pub mod first_level;
 pub mod version_b;
