@@ -12,6 +12,7 @@ use crate::kind::Kind;
 use crate::level::Level;
 use crate::plan::{Options, PlannedSession};
 use crate::scoreboard::{Finding, Scoreboard};
+use crate::session::Session;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::{ScopedJoinHandle, scope};
@@ -76,32 +77,40 @@ pub(crate) struct Execution {
 const RANDOM: &str = "random";
 const GIVEN: &str = "frames, files";
 
-/// Runs all sessions. `progress` is given the part that is done, from 0 to 1.
-pub(crate) fn execute(
-    dut: &dyn Dut,
-    kind: &dyn Kind,
-    planned: &[PlannedSession],
-    options: &Options,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Result<Execution, Error> {
-    let (deadline, extra_deadline) = (Deadline::never(), Deadline::never());
-    let done = AtomicUsize::new(0);
-    let executor = &Executor { dut, kind, planned, options, progress, deadline, extra_deadline, done };
-    scope(|scope| {
-        let long = planned.iter().position(|planned| matches!(planned, PlannedSession::Random { .. }));
-        let long = long.map(|place| (place, scope.spawn(move || executor.session(place))));
-        executor.all(long)
-    })
+/// An implementation, and what it is run with.
+#[derive(Clone, Copy)]
+pub(crate) struct Run<'a> {
+    pub dut: &'a dyn Dut,
+    pub kind: &'a dyn Kind,
+    pub planned: &'a [PlannedSession],
+    pub options: &'a Options,
+}
+
+impl Run<'_> {
+    /// The session at a place of the plan.
+    pub fn session(&self, place: usize) -> Session {
+        self.planned[place].session(self.kind, self.options)
+    }
+
+    /// Runs all sessions. `progress` is given the part that is done, from 0 to 1.
+    pub fn execute(&self, progress: &(dyn Fn(f64) + Sync)) -> Result<Execution, Error> {
+        let (deadline, extra_deadline) = (Deadline::never(), Deadline::never());
+        let executor =
+            &Executor { run: *self, progress, deadline, extra_deadline, done: AtomicUsize::new(0) };
+        scope(|scope| {
+            let is_random = |planned: &PlannedSession| matches!(planned, PlannedSession::Random { .. });
+            let long = self.planned.iter().position(is_random);
+            let long = long.map(|place| (place, scope.spawn(move || executor.session(place))));
+            executor.all(long)
+        })
+    }
 }
 
 /// A random session that runs beside the others, by its place.
 type Beside<'scope> = (usize, ScopedJoinHandle<'scope, Result<Option<SessionResult>, Error>>);
 
 struct Executor<'a> {
-    dut: &'a dyn Dut,
-    kind: &'a dyn Kind,
-    planned: &'a [PlannedSession],
-    options: &'a Options,
+    run: Run<'a>,
     progress: &'a (dyn Fn(f64) + Sync),
     /// For all sessions: a time limit after the first failure, and [`START_GRACE`].
     deadline: Deadline,
@@ -115,7 +124,7 @@ impl Executor<'_> {
         let mut results: Vec<SessionResult> = Vec::new();
         let mut random_seconds = 0.0;
         let mut enough = false;
-        let places: Vec<usize> = (0..self.planned.len()).collect();
+        let places: Vec<usize> = (0..self.run.planned.len()).collect();
         for batch in places.chunks(BATCH) {
             let started = Instant::now();
             let beside = long.take_if(|(place, _)| batch.contains(place));
@@ -139,7 +148,7 @@ impl Executor<'_> {
             results.extend(of_batch.into_iter().flatten());
             results.sort_unstable_by_key(|result| result.place);
             let mut failing = results.iter().enumerate().filter(|(_, result)| !result.findings.is_empty());
-            if let Some((last, _)) = failing.nth(self.options.errors.max(1) - 1) {
+            if let Some((last, _)) = failing.nth(self.run.options.errors.max(1) - 1) {
                 results.truncate(last + 1);
                 enough = true;
                 break;
@@ -159,7 +168,7 @@ impl Executor<'_> {
             results.extend(long.filter(|_| !enough && alone));
         }
         let shrinking = Deadline::never();
-        if let Some(limit) = self.dut.time_limit() {
+        if let Some(limit) = self.run.dut.time_limit() {
             let late = results.iter().any(|result| result.timeout.is_some());
             let pace = results.iter().map(|result| result.seconds / (result.answered + GREETINGS) as f64);
             let is_quick = pace.fold(f64::INFINITY, f64::min) * QUICK_ANSWERS < limit.as_secs_f64();
@@ -174,10 +183,10 @@ impl Executor<'_> {
         let timeouts = || results.iter().filter_map(|result| result.timeout);
         if timeouts().any(|timeout| timeout == Timeout::Hung) {
             Some("the implementation hangs".to_owned())
-        } else if results.len() == self.planned.len() || timeouts().next().is_some() {
+        } else if results.len() == self.run.planned.len() || timeouts().next().is_some() {
             None
         } else if enough {
-            Some(format!("{} sessions fail", self.options.errors.max(1)))
+            Some(format!("{} sessions fail", self.run.options.errors.max(1)))
         } else {
             Some("sessions fail, and half of the time limit has gone since the first did".to_owned())
         }
@@ -191,12 +200,12 @@ impl Executor<'_> {
         if deadline.has_come() {
             return Ok(None);
         }
-        let planned = &self.planned[place];
-        let session = planned.session(self.kind, self.options);
-        let mut scoreboard = Scoreboard::new(self.kind, &session, self.options.highest());
+        let Run { dut, kind, planned, options } = self.run;
+        let session = self.run.session(place);
+        let mut scoreboard = Scoreboard::new(kind, &session, options.highest());
         let began = Instant::now();
-        let ConversationEnd { timeout, stderr } = self.dut.converse(&session, &mut scoreboard, deadline)?;
-        match (timeout, self.dut.time_limit()) {
+        let ConversationEnd { timeout, stderr } = dut.converse(&session, &mut scoreboard, deadline)?;
+        match (timeout, dut.time_limit()) {
             // What has had no time once would take the time limit again and again.
             (Some(Timeout::Hung | Timeout::Slow), _) => {
                 self.extra_deadline.within(LATE_GRACE);
@@ -211,10 +220,9 @@ impl Executor<'_> {
         if timeout == Some(Timeout::Stopped) && scoreboard.findings().is_empty() {
             return Ok(None);
         }
-        (self.progress)((self.done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / self.planned.len() as f64);
-        let random = matches!(planned, PlannedSession::Random { .. });
-        let observed =
-            self.kind.levels().iter().copied().filter(|&level| scoreboard.observed(level)).collect();
+        (self.progress)((self.done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / planned.len() as f64);
+        let random = matches!(planned[place], PlannedSession::Random { .. });
+        let observed = kind.levels().iter().copied().filter(|&level| scoreboard.observed(level)).collect();
         Ok(Some(SessionResult {
             row: session
                 .requirement

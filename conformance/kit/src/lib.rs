@@ -91,6 +91,7 @@ pub mod session;
 pub mod shared_library;
 pub mod shrink;
 pub mod suites;
+mod summary;
 pub mod target;
 pub mod templates;
 pub mod vm;

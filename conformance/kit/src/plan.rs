@@ -15,6 +15,7 @@ const RANDOM_SESSIONS: usize = 24;
 /// Most requests of a random session: enough to amortise its start and to overflow counters of 16 bits, and
 /// few enough that many sessions fit into memory.
 const SESSION_REQUESTS: usize = 100_000;
+
 /// What is run, and how far it is judged.
 #[derive(Clone, Debug)]
 pub struct Options {
