@@ -5,7 +5,7 @@ THIRD = 0x9249249249  # every third of 40 bits
 
 
 class MemoryChips:
-    """Each request is told when it is served, in the order in which requests come. Times in here are clocks."""
+    """Serves requests in the order in which they come; each learns when it is served. Times in here are clocks."""
 
     def __init__(self, config):
         self.config = config
