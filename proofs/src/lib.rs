@@ -24,6 +24,8 @@ pub mod engines;
 #[cfg(kani)]
 #[cfg_attr(kani_stub, allow(dead_code))]
 mod kani_source;
+#[cfg(not(kani))]
+pub mod lists;
 pub mod source;
 #[cfg(kani_stub)]
 #[allow(dead_code)]

@@ -1,6 +1,6 @@
 //! The lists of theorems in proofs/THEOREMS.md, README.md and SPEC.md are those of the code.
 
-use saarcor_cli::prove::{spec_list, theorem_list};
+use saarcor_proofs::lists::{spec_list, theorem_list};
 use saarcor_proofs::theorem::Theorem;
 use std::collections::BTreeSet;
 use std::fs;
@@ -10,7 +10,7 @@ const BEGIN: &str = "<!-- theorems -->\n";
 const END: &str = "<!-- end of theorems -->";
 
 fn path(file: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file)
 }
 
 /// Asserts that the list in `file` is the one that is generated; writes `new` there if
@@ -21,7 +21,7 @@ fn assert_current(file: &str, is_current: bool, new: &str) {
     } else {
         assert!(
             is_current,
-            "the list in {file} is old: SAARCOR_WRITE_LISTS=1 cargo test -p saarcor-cli --test theorem_lists"
+            "the list in {file} is old: SAARCOR_WRITE_LISTS=1 cargo test -p saarcor-proofs --test lists"
         );
     }
 }
@@ -64,7 +64,7 @@ fn readme_cites_theorems_as_they_are() {
 
 #[test]
 fn theorems_have_names_of_their_own_and_requirements_that_exist() {
-    let specification = include_str!("../../../model/SPEC.md");
+    let specification = include_str!("../../model/SPEC.md");
     let mut names = BTreeSet::new();
     for theorem in saarcor_proofs::theorems() {
         assert!(names.insert(theorem.name), "{} is the name of two theorems", theorem.name);
