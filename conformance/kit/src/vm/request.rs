@@ -53,7 +53,7 @@ impl<'a> Request<'a> {
             b"w" => {
                 let host = words.address().ok_or("write 'w HOST HEXBYTES' in hex")?;
                 let digits = words.word();
-                let whole = digits.len() % 2 == 0 && !digits.is_empty();
+                let whole = digits.len().is_multiple_of(2) && !digits.is_empty();
                 if !whole || !digits.iter().all(u8::is_ascii_hexdigit) {
                     return Err("write two hex digits a byte".into());
                 }
