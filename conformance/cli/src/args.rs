@@ -148,10 +148,10 @@ impl SceneArgs {
 #[derive(Clone, Debug, clap::Args)]
 pub struct GeometryArgs {
     /// Size of a line
-    #[arg(long, value_name = "SIZE", default_value_t = Size(standard::line()))]
+    #[arg(long, value_name = "SIZE", default_value_t = Size(standard::LINE))]
     line: Size,
     /// Lines a set
-    #[arg(long, value_parser = choice(WAYS), default_value = name_of(WAYS, &standard::ways()))]
+    #[arg(long, value_parser = choice(WAYS), default_value = name_of(WAYS, &standard::WAYS))]
     ways: u32,
 }
 

@@ -171,12 +171,12 @@ fn variations(standard: &ChipConfig) -> Result<Vec<ChipConfig>, StudyError> {
         config.cache.hash = hash;
         Ok(config)
     };
-    let lines = LINES.into_iter().map(|line| with(line, standard::ways(), Hash::default()));
+    let lines = LINES.into_iter().map(|line| with(line, standard::WAYS, Hash::default()));
     let sets = [1, 2, 4].into_iter().flat_map(|ways| {
         [Hash::Low, Hash::AddUpper]
             .into_iter()
-            .filter(move |&hash| (ways, hash) != (standard::ways(), Hash::default()))
-            .map(move |hash| with(standard::line().0, ways, hash))
+            .filter(move |&hash| (ways, hash) != (standard::WAYS, Hash::default()))
+            .map(move |hash| with(standard::LINE.0, ways, hash))
     });
     lines.chain(sets).collect()
 }

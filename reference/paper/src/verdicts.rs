@@ -210,7 +210,7 @@ fn by_scene(variations: &[Variation]) -> BTreeMap<String, Vec<&Variation>> {
 
 /// Whether a variation is one of the sizes of lines.
 fn is_of_lines(variation: &Variation) -> bool {
-    variation.ways == standard::ways() && variation.hashed
+    variation.ways == standard::WAYS && variation.hashed
 }
 
 fn best_line(variations: &[Variation]) -> ClaimVerdict {
@@ -226,7 +226,7 @@ fn best_line(variations: &[Variation]) -> ClaimVerdict {
         ) else {
             continue;
         };
-        places.push(both.line_bytes == standard::line().0);
+        places.push(both.line_bytes == standard::LINE.0);
         numbers.push(format!(
             "{scene}: least bytes loaded x metadata {}, least loaded {}, fastest {}",
             both.line_bytes, fewest.line_bytes, fastest.line_bytes
@@ -238,7 +238,7 @@ fn best_line(variations: &[Variation]) -> ClaimVerdict {
 fn ways_and_hash(variations: &[Variation]) -> ClaimVerdict {
     let (mut places, mut numbers) = (Vec::new(), Vec::new());
     for (scene, all) in by_scene(variations) {
-        let of_line = || all.iter().filter(|variation| variation.line_bytes == standard::line().0);
+        let of_line = || all.iter().filter(|variation| variation.line_bytes == standard::LINE.0);
         let Some(standard) = of_line().find(|variation| is_of_lines(variation)) else { continue };
         places.extend(of_line().map(|other| standard.run.pci_bytes <= other.run.pci_bytes));
         let each = of_line().map(|one| {

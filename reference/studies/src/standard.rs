@@ -1,4 +1,4 @@
-//! The standard configuration: what holds where the user says nothing.
+//! The standard configuration of a scene, from the numbers of [`saarcor_model::time::standard`].
 
 use crate::error::StudyError;
 use saarcor_model::rays::Pipeline;
@@ -6,7 +6,7 @@ use saarcor_model::time::standard::{self, CHIP_CACHE_WAYS};
 use saarcor_model::time::{ChipConfig, Version};
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy, Unit};
 
-pub use saarcor_model::time::standard::RESOLUTION;
+pub use saarcor_model::time::standard::{LINE, RESOLUTION, WAYS};
 
 /// Reflections and refractions that may follow one another.
 pub const MAX_BOUNCES: u32 = Pipeline::<1>::STANDARD_BOUNCES;
@@ -25,18 +25,6 @@ pub fn memory(scene: &str) -> Bytes {
     stated.map_or(standard::MEMORY, |(_, memory)| *memory)
 }
 
-/// Size of a line (§3, Stated: found best).
-#[must_use]
-pub fn line() -> Bytes {
-    standard::LINE
-}
-
-/// Ways of a set (§3, Stated).
-#[must_use]
-pub fn ways() -> u32 {
-    standard::WAYS
-}
-
 /// The triangle cache for a scene: the larger one for the Cruiser (§4, Stated).
 #[must_use]
 pub fn triangle_cache(scene: &str) -> Bytes {
@@ -48,16 +36,16 @@ pub fn triangle_cache(scene: &str) -> Bytes {
     Bytes(bytes.into())
 }
 
-/// The virtual memory for a scene.
+/// The standard virtual memory for a scene.
 ///
 /// # Errors
 /// If the standard sizes do not make a cache.
 pub fn cache(scene: &str) -> Result<CacheConfig, StudyError> {
-    let geometry = Geometry::new(memory(scene), line(), ways())?;
+    let geometry = Geometry::new(memory(scene), LINE, WAYS)?;
     Ok(CacheConfig { geometry, hash: Hash::default(), policy: Policy::default() })
 }
 
-/// The chip for a scene.
+/// The standard chip for a scene.
 ///
 /// # Errors
 /// If the standard sizes make none.

@@ -22,7 +22,7 @@ const SERIES: [Series; 3] = [
 
 /// The graph: MB of each frame.
 pub fn svg(graph: &Graph) -> String {
-    let line = saarcor_studies::standard::line().0;
+    let line = saarcor_studies::standard::LINE.0;
     let plots: Vec<Plot> = SERIES.into_iter().map(|series| curve(graph, series, line)).collect();
     let layout = Layout::auto_from_plots(&plots)
         .with_width(760.0)
