@@ -67,6 +67,9 @@ pub fn theorems() -> impl Iterator<Item = &'static theorem::Theorem> {
         equal::version_b::THEOREMS,
         equal::first_level::THEOREMS,
         equal::adaptive::THEOREMS,
+        equal::sdram::THEOREMS,
+        equal::pci::THEOREMS,
+        equal::chip::THEOREMS,
     ]
     .into_iter()
     .flatten()

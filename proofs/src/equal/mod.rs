@@ -9,6 +9,9 @@
 //! random; they say `not_for_kani` and why.
 
 pub mod adaptive;
+pub mod chip;
 pub mod directory;
 pub mod first_level;
+pub mod pci;
+pub mod sdram;
 pub mod version_b;

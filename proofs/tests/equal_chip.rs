@@ -1,0 +1,123 @@
+//! The chip between events is the specification's to the cycle, on small chips of all kinds at random.
+
+use proptest::prelude::*;
+use saarcor_model::time::{
+    ChipConfig, L1Config, MetadataCacheConfig, Operation, PciConfig, Program, Programs, SdramConfig,
+    TimingReport, UNIT_NAMES, UnitConfig, Version,
+};
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr, Policy, Unit};
+
+#[track_caller]
+fn sums_hold(report: &TimingReport, config: &ChipConfig) {
+    for (unit, name) in report.units.iter().zip(UNIT_NAMES) {
+        let all = unit.busy + unit.stalled() + unit.idle;
+        assert_eq!(all, report.cycles * u64::from(config.pipelines), "{name}");
+    }
+    assert_eq!(report.pci_bytes, report.l2.misses * config.cache.geometry.line().0);
+}
+
+fn any_operation() -> impl Strategy<Value = Operation> {
+    let unit = prop::sample::select(Unit::ALL.to_vec());
+    // Few places, so that packets meet at lines, and some far ones.
+    let addr = prop_oneof![4 => 0_u32..600, 1 => 0_u32..20_000];
+    (unit, addr, 0_u16..60, 0_u8..70).prop_map(|(unit, addr, bytes, rays)| {
+        // Work on no bytes is for some rays.
+        let rays = if bytes == 0 { rays.max(1) } else { rays };
+        Operation { addr: HostAddr(addr), bytes, rays, unit }
+    })
+}
+
+fn any_programs() -> impl Strategy<Value = Programs> {
+    let packet = prop::collection::vec(any_operation(), 0..12).prop_map(Program::from);
+    let triangles = prop::sample::select(vec![0, 20]);
+    (prop::collection::vec(packet, 0..12), triangles)
+        .prop_map(|(packets, base)| Programs { packets, triangles: HostAddr(base) })
+}
+
+prop_compose! {
+    fn any_l1()(
+        line in prop::sample::select(vec![4, 8, 16, 12]),
+        sets in prop::sample::select(vec![1, 2, 8]),
+        ports in 1_u32..3,
+        latency in 1_u32..4,
+        mshrs in 1_u32..5,
+    ) -> L1Config {
+        L1Config { line, sets, ports, latency, mshrs }
+    }
+}
+
+prop_compose! {
+    fn any_sdram()(
+        cycles_a_clock in 1_u32..5,
+        beat_bytes in prop::sample::select(vec![4, 8, 16]),
+        banks in prop::sample::select(vec![1, 2, 4]),
+        row_bytes in prop::sample::select(vec![16, 64, 256]),
+        cas in 0_u32..4,
+        ras_to_cas in 0_u32..4,
+        precharge in 0_u32..4,
+        row_cycle in 0_u32..12,
+        write_recovery in 0_u32..3,
+        (refresh_interval, refresh) in prop_oneof![Just((0, 0)), (30_u32..90, 1_u32..9)],
+    ) -> SdramConfig {
+        SdramConfig {
+            cycles_a_clock, beat_bytes, banks, row_bytes, cas, ras_to_cas, precharge, row_cycle,
+            write_recovery, refresh_interval, refresh,
+        }
+    }
+}
+
+prop_compose! {
+    fn any_cache()(
+        line_bits in 4_u32..7,
+        way_bits in 0_u32..3,
+        set_bits in 0_u32..4,
+        hash in prop::sample::select(vec![Hash::Low, Hash::AddUpper, Hash::AddUpperAll]),
+        policy in prop::sample::select(vec![Policy::Lru, Policy::Fifo, Policy::Plru]),
+    ) -> CacheConfig {
+        let geometry = Geometry::new(Bytes(1 << (line_bits + way_bits + set_bits)), Bytes(1 << line_bits), 1 << way_bits);
+        CacheConfig { geometry: geometry.expect("legal"), hash, policy }
+    }
+}
+
+prop_compose! {
+    fn any_chip()(
+        (pipelines, threads) in (1_u32..4, 1_u32..5),
+        units in prop::array::uniform4((1_u32..9, 0_u32..5)),
+        l1 in prop::array::uniform4(any_l1()),
+        (tag_latency, return_latency) in (0_u32..4, 0_u32..4),
+        version in prop::sample::select(vec![Version::None, Version::A, Version::B]),
+        cache in any_cache(),
+        (granule, sets) in (prop::sample::select(vec![8, 16, 32]), prop::sample::select(vec![1, 2, 4])),
+        sdram in any_sdram(),
+        (setup, beat_bytes, cycles_a_beat) in (0_u32..40, 1_u32..9, 1_u32..17),
+    ) -> ChipConfig {
+        ChipConfig {
+            pipelines,
+            threads,
+            units: units.map(|(rays_a_cycle, latency)| UnitConfig { rays_a_cycle, latency }),
+            l1,
+            tag_latency,
+            return_latency,
+            metadata_cache: MetadataCacheConfig { bytes: 4 * granule * sets, granule },
+            sdram,
+            pci: PciConfig { setup, beat_bytes, cycles_a_beat },
+            ..ChipConfig::standard(version, cache)
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// To the cycle, in all that is counted.
+    #[test]
+    fn fast_chip_is_the_specifications(
+        config in any_chip(),
+        programs in any_programs(),
+        before in prop::collection::vec(any_programs(), 0..2),
+    ) {
+        let fast = saarcor_fast::chip::simulate(&before, &programs, &config).expect("a chip");
+        prop_assert_eq!(&fast, &saarcor_model::time::simulate(&before, &programs, &config).expect("a chip"));
+        sums_hold(&fast, &config);
+    }
+}
