@@ -4,7 +4,6 @@ use super::pci::PciConfig;
 use super::sdram::SdramConfig;
 use super::standard::{self, CHIP_CACHE_WAYS};
 use crate::vm::{CacheConfig, ENTRY_BYTES};
-use std::fmt;
 
 /// Where the scene and its metadata lie (§3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -98,7 +97,8 @@ pub struct ChipConfig {
 }
 
 /// A chip that cannot be. Names the number, what it is, and what would be right.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{field} of {value}: it must be {right}")]
 pub struct ConfigError {
     /// What was wrong.
     pub field: &'static str,
@@ -107,14 +107,6 @@ pub struct ConfigError {
     /// What would be right.
     pub right: String,
 }
-
-impl fmt::Display for ConfigError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} of {}: it must be {}", self.field, self.value, self.right)
-    }
-}
-
-impl std::error::Error for ConfigError {}
 
 /// Longest latency of a unit or a first-level cache, in cycles (Assumed; the model's own limit).
 pub const MAX_LATENCY: u32 = 1024;
@@ -183,14 +175,10 @@ impl ChipConfig {
         let line = self.cache.geometry.line().0;
         for l1 in self.l1 {
             at_least_one("line of a first-level cache", l1.line.into())?;
-            if self.version != Version::None && u64::from(l1.line) > line {
-                let right = format!("at most the line of the virtual memory, {line}");
-                return Err(ConfigError {
-                    field: "line of a first-level cache",
-                    value: l1.line.into(),
-                    right,
-                });
-            }
+            let fits = self.version == Version::None || u64::from(l1.line) <= line;
+            demand(fits, "line of a first-level cache", l1.line.into(), || {
+                format!("at most the line of the virtual memory, {line}")
+            })?;
             within("line of a first-level cache", l1.line, 1, 1 << 16)?;
             power_of_two("number of sets of a first-level cache", l1.sets, 1, 1 << 24)?;
             count("number of ports of a first-level cache", l1.ports)?;
@@ -207,21 +195,19 @@ impl ChipConfig {
         power_of_two("number of banks", sdram.banks, 1, 1 << 12)?;
         power_of_two("row of the on-board memory", sdram.row_bytes, sdram.beat_bytes, 1 << 24)?;
         let busy = sdram.precharge.saturating_add(sdram.refresh);
-        if sdram.refresh_interval != 0 && sdram.refresh_interval <= busy {
-            let right = format!("0 for never, or more than the {busy} that a refresh takes");
-            let (field, value) = ("clocks between refreshes", sdram.refresh_interval.into());
-            return Err(ConfigError { field, value, right });
-        }
+        let rests = sdram.refresh_interval == 0 || sdram.refresh_interval > busy;
+        demand(rests, "clocks between refreshes", sdram.refresh_interval.into(), || {
+            format!("0 for never, or more than the {busy} that a refresh takes")
+        })?;
         at_least_one("beat of the bus", self.pci.beat_bytes.into())?;
         at_least_one("cycles a beat of the bus", self.pci.cycles_a_beat.into())?;
         if self.version == Version::None {
             return Ok(());
         }
         let line = self.cache.geometry.line().0;
-        if line < u64::from(sdram.beat_bytes) {
-            let right = format!("at least a beat of the on-board memory, {}", sdram.beat_bytes);
-            return Err(ConfigError { field: "line of the virtual memory", value: line, right });
-        }
+        demand(line >= u64::from(sdram.beat_bytes), "line of the virtual memory", line, || {
+            format!("at least a beat of the on-board memory, {}", sdram.beat_bytes)
+        })?;
         if self.version == Version::B {
             let MetadataCacheConfig { bytes, granule } = self.metadata_cache;
             power_of_two("granule of the metadata cache", granule, ENTRY_BYTES as u32, 1 << 12)?;
@@ -231,22 +217,25 @@ impl ChipConfig {
     }
 }
 
+/// The error that says what is `right`, unless the number `holds`.
+fn demand(
+    holds: bool,
+    field: &'static str,
+    value: u64,
+    right: impl FnOnce() -> String,
+) -> Result<(), ConfigError> {
+    if holds { Ok(()) } else { Err(ConfigError { field, value, right: right() }) }
+}
+
 fn within(field: &'static str, value: u32, least: u32, most: u32) -> Result<(), ConfigError> {
-    let right = || format!("{least} to {most}");
-    if (least..=most).contains(&value) {
-        Ok(())
-    } else {
-        Err(ConfigError { field, value: value.into(), right: right() })
-    }
+    demand((least..=most).contains(&value), field, value.into(), || format!("{least} to {most}"))
 }
 
 fn at_least_one(field: &'static str, value: u64) -> Result<(), ConfigError> {
-    if value > 0 { Ok(()) } else { Err(ConfigError { field, value, right: "at least 1".to_owned() }) }
+    demand(value > 0, field, value, || "at least 1".to_owned())
 }
 
 fn power_of_two(field: &'static str, value: u32, least: u32, most: u32) -> Result<(), ConfigError> {
-    if value.is_power_of_two() && (least..=most).contains(&value) {
-        return Ok(());
-    }
-    Err(ConfigError { field, value: value.into(), right: format!("a power of two, {least} to {most}") })
+    let holds = value.is_power_of_two() && (least..=most).contains(&value);
+    demand(holds, field, value.into(), || format!("a power of two, {least} to {most}"))
 }
