@@ -108,7 +108,7 @@ pub const FAST_PCI_HZ: u64 = 66_000_000;
 
 /// Pixels a row and rows (Assumed: the paper names none).
 pub const RESOLUTION: (u32, u32) = (1024, 768);
-/// Rays of a packet (RG-2; §2, Stated).
+/// Rays of a packet (RG-2; packets: §2, Stated; 64: Assumed, after SaarCOR 2002).
 pub const PACKET_RAYS: usize = 64;
 
 #[cfg(test)]
