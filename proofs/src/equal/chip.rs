@@ -66,7 +66,7 @@ fn chip(mut code: u64, version: Version) -> ChipConfig {
         threads,
         units: [UnitConfig { rays_a_cycle: pick(code, &[2, 1]), latency: pick(code, &[1, 0, 3]) }; 4],
         l1: [l1; 4],
-        tag_latency: pick(code, &[1, 0, 3]),
+        tag_latency: pick(code, &[2, 0, 1]),
         return_latency: pick(code, &[1, 0, 2]),
         metadata_cache: MetadataCacheConfig { bytes: 4 * granule * pick(code, &[1, 2]), granule },
         pci: PciConfig { setup: pick(code, &[1, 5]), beat_bytes: 4, cycles_a_beat: pick(code, &[1, 3]) },
