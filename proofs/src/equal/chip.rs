@@ -50,7 +50,8 @@ fn chip(mut code: u64, version: Version) -> ChipConfig {
     let code = &mut code;
     let (pipelines, threads) = pick(code, &[(1, 2), (2, 1), (2, 2)]);
     let (ways, set_bits) = pick(code, &[(2, 2), (1, 3), (4, 0)]);
-    let geometry = Geometry::new(Bytes(8 * ways << set_bits), Bytes(8), ways as u32).expect("powers of two");
+    let geometry =
+        Geometry::new(Bytes((8 * ways) << set_bits), Bytes(8), ways as u32).expect("powers of two");
     let hash = pick(code, &[Hash::Low, Hash::AddUpper, Hash::AddUpperAll]);
     let policy = pick(code, &[Policy::Lru, Policy::Fifo, Policy::Plru]);
     let l1 = L1Config {

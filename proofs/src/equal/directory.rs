@@ -93,6 +93,7 @@ mod bodies {
 
 /// The same for sets of 8 and 16 ways, for the random engine: name, covers and body.
 #[cfg(not(kani))]
+#[allow(clippy::type_complexity, reason = "a list of three columns")]
 pub const WIDE: &[(&str, &[&str], fn(&mut Random) -> Holds)] = &[
     ("fast_set_finds_the_same_way", &["found", "a free way still holds it"], |source| {
         bodies::same_way::<Random, 8>(source)?;

@@ -45,12 +45,10 @@ impl Record {
     /// Whether any granule was found in the cache, any loaded, and any written back.
     fn kinds(&self) -> [bool; 3] {
         let mut kinds = [false; 3];
-        for event in self.events {
-            if let Some((_, outcome, write_back)) = event {
-                kinds[0] |= matches!(outcome, Outcome::Hit { .. });
-                kinds[1] |= matches!(outcome, Outcome::Miss { .. });
-                kinds[2] |= write_back.is_some();
-            }
+        for (_, outcome, write_back) in self.events.into_iter().flatten() {
+            kinds[0] |= matches!(outcome, Outcome::Hit { .. });
+            kinds[1] |= matches!(outcome, Outcome::Miss { .. });
+            kinds[2] |= write_back.is_some();
         }
         kinds
     }
@@ -142,9 +140,7 @@ fn states<S: Source, const META_WAYS: usize, const GRANULE: usize>(
     }
     let spec = Spec { lines: policy, granules, cache, card: card[..used].to_vec(), observer: Record::EMPTY };
     let mut on_chip = OnChip::new(SETS as u64, policy);
-    for index in 0..SETS {
-        on_chip.sets[index] = sets[index];
-    }
+    on_chip.sets[..SETS].copy_from_slice(&sets[..SETS]);
     let twin =
         Twin { sets: on_chip, granules, cache: decisions, granule_bytes: GRANULE, observer: Record::EMPTY };
     Ok((spec, twin, SetIndex(own as u32)))
