@@ -38,14 +38,14 @@ pub enum Contact {
 
 /// What is true of a ray and a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Verdict {
+pub enum Incidence {
     /// They have no point in common within the ray's range.
     Miss,
     /// They have one.
     Hit(Contact),
 }
 
-impl Verdict {
+impl Incidence {
     /// Whether the triangle is hit, wherever.
     #[must_use]
     pub fn is_hit(self) -> bool {
@@ -58,17 +58,17 @@ impl Verdict {
 /// ```
 /// use glam::Vec3;
 /// use saarcor_model::rays::Ray;
-/// use saarcor_oracles::exact::{Contact, Verdict, judge};
+/// use saarcor_oracles::exact::{Contact, Incidence, judge};
 /// let ray = |x, y| Ray { origin: Vec3::new(x, y, -1.0), direction: Vec3::Z, t_min: 0.0, t_max: 2.0 };
 /// let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
-/// assert_eq!(judge(&ray(0.25, 0.25), &corners), Verdict::Hit(Contact::Interior));
-/// assert_eq!(judge(&ray(0.5, 0.5), &corners), Verdict::Hit(Contact::Edge(0)));
-/// assert_eq!(judge(&ray(0.0, 1.0), &corners), Verdict::Hit(Contact::Vertex(2)));
-/// assert_eq!(judge(&ray(0.5, 0.5 + f32::EPSILON), &corners), Verdict::Miss);
+/// assert_eq!(judge(&ray(0.25, 0.25), &corners), Incidence::Hit(Contact::Interior));
+/// assert_eq!(judge(&ray(0.5, 0.5), &corners), Incidence::Hit(Contact::Edge(0)));
+/// assert_eq!(judge(&ray(0.0, 1.0), &corners), Incidence::Hit(Contact::Vertex(2)));
+/// assert_eq!(judge(&ray(0.5, 0.5 + f32::EPSILON), &corners), Incidence::Miss);
 /// ```
 #[must_use]
-pub fn judge(ray: &Ray, corners: &[Vec3; 3]) -> Verdict {
-    Estimate::new(ray, corners).verdict().unwrap_or_else(|| rational::verdict(ray, corners))
+pub fn judge(ray: &Ray, corners: &[Vec3; 3]) -> Incidence {
+    Estimate::new(ray, corners).incidence().unwrap_or_else(|| rational::incidence(ray, corners))
 }
 
 /// What a ray hits first among triangles.
@@ -113,8 +113,8 @@ pub fn closest(ray: &Ray, triangles: impl IntoIterator<Item = (u32, [Vec3; 3])>)
     let mut nearest = f64::INFINITY;
     for (number, corners) in triangles {
         let estimate = Estimate::new(ray, &corners);
-        let verdict = estimate.verdict().unwrap_or_else(|| rational::verdict(ray, &corners));
-        let Verdict::Hit(contact) = verdict else { continue };
+        let incidence = estimate.incidence().unwrap_or_else(|| rational::incidence(ray, &corners));
+        let Incidence::Hit(contact) = incidence else { continue };
         let distance = estimate.distance();
         if distance.least <= nearest {
             nearest = nearest.min(distance.greatest);

@@ -4,8 +4,8 @@ use glam::Vec3;
 use proptest::prelude::*;
 use saarcor_model::rays::Ray;
 use saarcor_oracles::exact::filter::Estimate;
-use saarcor_oracles::exact::rational::{distance, nearest_f32, nearest_f64, verdict};
-use saarcor_oracles::exact::{Contact, Verdict, closest, judge, order, solve};
+use saarcor_oracles::exact::rational::{distance, incidence, nearest_f32, nearest_f64};
+use saarcor_oracles::exact::{Contact, Incidence, closest, judge, order, solve};
 use std::cmp::Ordering;
 
 const CORNERS: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
@@ -46,8 +46,8 @@ fn cases<P: Strategy<Value = Vec3>>(point: fn() -> P) -> impl Strategy<Value = (
 /// What the filter says, where it says anything, is what the rationals say.
 fn filter_agrees(ray: &Ray, corners: &[Vec3; 3]) -> Result<(), TestCaseError> {
     let estimate = Estimate::new(ray, corners);
-    if let Some(said) = estimate.verdict() {
-        prop_assert_eq!(said, verdict(ray, corners));
+    if let Some(said) = estimate.incidence() {
+        prop_assert_eq!(said, incidence(ray, corners));
     }
     let bounds = estimate.distance();
     if let Some(solution) = solve(ray, corners) {
@@ -81,17 +81,17 @@ proptest! {
 
     #[test]
     fn filter_decides_the_generic_case((ray, corners) in cases(generic)) {
-        prop_assert!(Estimate::new(&ray, &corners).verdict().is_some());
+        prop_assert!(Estimate::new(&ray, &corners).incidence().is_some());
     }
 
     /// Turning the corners around, or the ray's line over, changes what they are called only.
     #[test]
     fn order_of_the_corners_does_not_matter((ray, [a, b, c]) in cases(grid)) {
         let turned = match judge(&ray, &[b, c, a]) {
-            Verdict::Miss => Verdict::Miss,
-            Verdict::Hit(Contact::Interior) => Verdict::Hit(Contact::Interior),
-            Verdict::Hit(Contact::Edge(at)) => Verdict::Hit(Contact::Edge((at + 1) % 3)),
-            Verdict::Hit(Contact::Vertex(at)) => Verdict::Hit(Contact::Vertex((at + 1) % 3)),
+            Incidence::Miss => Incidence::Miss,
+            Incidence::Hit(Contact::Interior) => Incidence::Hit(Contact::Interior),
+            Incidence::Hit(Contact::Edge(at)) => Incidence::Hit(Contact::Edge((at + 1) % 3)),
+            Incidence::Hit(Contact::Vertex(at)) => Incidence::Hit(Contact::Vertex((at + 1) % 3)),
         };
         prop_assert_eq!(judge(&ray, &[a, b, c]), turned);
         prop_assert_eq!(judge(&ray, &[c, b, a]).is_hit(), turned.is_hit());
@@ -103,7 +103,7 @@ proptest! {
         (ray, first) in cases(grid), more in proptest::collection::vec([grid(), grid(), grid()], 0..6)
     ) {
         let triangles: Vec<_> = (10..).zip(std::iter::once(first).chain(more)).collect();
-        let hit = triangles.iter().filter(|(_, corners)| verdict(&ray, corners).is_hit());
+        let hit = triangles.iter().filter(|(_, corners)| incidence(&ray, corners).is_hit());
         let hit: Vec<_> = hit.map(|(number, corners)| (*number, distance(&ray, corners))).collect();
         let least = hit.iter().map(|(_, t)| t).min();
         let expected: Vec<u32> = hit.iter().filter(|(_, t)| Some(t) == least).map(|(n, _)| *n).collect();
@@ -166,11 +166,11 @@ fn edges_and_vertices_belong_to_the_triangle() {
         (1.0, 0.0, Contact::Vertex(1)),
         (0.0, 1.0, Contact::Vertex(2)),
     ] {
-        assert_eq!(judge(&along_z(x, y), &CORNERS), Verdict::Hit(contact));
+        assert_eq!(judge(&along_z(x, y), &CORNERS), Incidence::Hit(contact));
     }
     let least = f32::from_bits(1);
     for (x, y) in [(-least, 0.5), (0.5, -least), (0.5, 0.5_f32.next_up())] {
-        assert_eq!(judge(&along_z(x, y), &CORNERS), Verdict::Miss);
+        assert_eq!(judge(&along_z(x, y), &CORNERS), Incidence::Miss);
     }
 }
 
@@ -188,10 +188,10 @@ fn no_one_point_in_common_is_a_miss() {
     let in_plane = Ray { origin: Vec3::NEG_X, direction: Vec3::X, ..along_z(0.0, 0.0) };
     let still = Ray { direction: Vec3::ZERO, origin: Vec3::new(0.25, 0.25, 0.0), ..in_plane };
     for ray in [in_plane, still] {
-        assert_eq!((judge(&ray, &CORNERS), solve(&ray, &CORNERS)), (Verdict::Miss, None));
+        assert_eq!((judge(&ray, &CORNERS), solve(&ray, &CORNERS)), (Incidence::Miss, None));
     }
     for flat in [[Vec3::ZERO; 3], [Vec3::NEG_X, Vec3::ZERO, Vec3::X]] {
-        assert_eq!(judge(&along_z(0.0, 0.0), &flat), Verdict::Miss);
+        assert_eq!(judge(&along_z(0.0, 0.0), &flat), Incidence::Miss);
     }
 }
 
@@ -199,12 +199,12 @@ fn no_one_point_in_common_is_a_miss() {
 fn numbers_that_are_none_are_misses() {
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let ray = along_z(0.25, 0.25);
-        assert_eq!(judge(&Ray { origin: ray.origin.with_z(bad), ..ray }, &CORNERS), Verdict::Miss);
-        assert_eq!(judge(&Ray { direction: ray.direction.with_x(bad), ..ray }, &CORNERS), Verdict::Miss);
+        assert_eq!(judge(&Ray { origin: ray.origin.with_z(bad), ..ray }, &CORNERS), Incidence::Miss);
+        assert_eq!(judge(&Ray { direction: ray.direction.with_x(bad), ..ray }, &CORNERS), Incidence::Miss);
         for corner in 0..3 {
             let mut corners = CORNERS;
             corners[corner].z = bad;
-            assert_eq!(judge(&ray, &corners), Verdict::Miss);
+            assert_eq!(judge(&ray, &corners), Incidence::Miss);
         }
     }
 }

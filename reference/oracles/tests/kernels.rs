@@ -10,7 +10,7 @@ use saarcor_model::rays::{
 };
 use saarcor_model::vm::HostAddr;
 use saarcor_oracles::exact::rational::nearest_f64;
-use saarcor_oracles::exact::{Verdict, closest, judge, order, solve};
+use saarcor_oracles::exact::{Incidence, closest, judge, order, solve};
 use saarcor_oracles::formats::{F16, Format};
 
 /// Whole numbers, so small that contact, coplanarity and coincidence are frequent.
@@ -184,7 +184,7 @@ proptest! {
         prop_assume!(normal.length() > 0.1 && direction.length() > 0.1);
         prop_assume!(normal.dot(direction).abs() > 0.1 * normal.length() * direction.length());
         let ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
-        prop_assert!(judge(&ray, &corners) != Verdict::Miss);
+        prop_assert!(judge(&ray, &corners) != Incidence::Miss);
         let t = nearest_f64(&solve(&ray, &corners).expect("hit").t);
         for kernel in Kernel::ALL {
             let found = intersect(kernel, &corners, &ray);

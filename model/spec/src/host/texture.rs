@@ -58,9 +58,9 @@ impl TextureRecord {
     /// The level in which a ray that covers `area` of the square of texture coordinates covers about
     /// one texel, from a half to two (SH-6).
     ///
-    /// That is the base-4 logarithm of the texels of the finest level that it covers, rounded, which
-    /// the exponent of that number tells: exact, and the same on every machine. Not a number counts
-    /// as infinite.
+    /// That is the rounded base-4 logarithm of the number of texels of the finest level that it covers.
+    /// The exponent of that number gives it exactly, and the same on every machine. NaN counts as
+    /// infinite.
     #[must_use]
     pub fn level_seen(&self, area: f32) -> u32 {
         let texels = area * self.width as f32 * self.height as f32;

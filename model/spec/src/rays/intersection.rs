@@ -85,19 +85,16 @@ impl<const N: usize> IntersectionUnit<N> for Intersection<N> {
         query: Query,
         hits: &mut Hits<N>,
     ) {
-        let StoredTriangle { addr, kernel, record } = triangle;
+        let StoredTriangle { addr, kernel, record } = *triangle;
+        let corners = record.corners();
         match kernel {
-            Kernel::MollerTrumbore => {
-                rounding(EdgeTriangle::new(&record.corners()), *addr, packet, cell, query, hits);
-            }
-            Kernel::Wald => rounding(ProjectedTriangle::decode(record), *addr, packet, cell, query, hits),
-            Kernel::Plucker => {
-                rounding(PluckerTriangle::new(&record.corners()), *addr, packet, cell, query, hits);
-            }
+            Kernel::MollerTrumbore => rounding(EdgeTriangle::new(&corners), addr, packet, cell, query, hits),
+            Kernel::Wald => rounding(ProjectedTriangle::decode(&record), addr, packet, cell, query, hits),
+            Kernel::Plucker => rounding(PluckerTriangle::new(&corners), addr, packet, cell, query, hits),
             Kernel::Watertight => {
-                rounding(WatertightTriangle::new(&record.corners()), *addr, packet, cell, query, hits);
+                rounding(WatertightTriangle::new(&corners), addr, packet, cell, query, hits)
             }
-            Kernel::Adaptive => self.exact(&record.corners(), *addr, packet, cell, query, hits),
+            Kernel::Adaptive => self.exact(&corners, addr, packet, cell, query, hits),
         }
     }
 }
@@ -124,8 +121,8 @@ fn rounding<const N: usize>(
 
 /// Where the ray in `lane` meets the triangle's plane.
 fn test<T: TriangleTest<f32>, const N: usize>(triangle: &T, packet: &Packet<N>, lane: usize) -> Candidate {
-    let origin = packet.origin.map(|coordinates| coordinates[lane]);
-    let direction = packet.direction.map(|components| components[lane]);
+    let origin = packet.origin(lane).to_array();
+    let direction = packet.direction(lane).to_array();
     triangle.intersect(&T::ray(origin, direction))
 }
 

@@ -8,7 +8,7 @@
 //! γ(8) · (1 + γ(8)) < 10u. Neither overflow nor underflow is possible: f32 lie between 2⁻¹⁴⁹ and
 //! 2¹²⁸, so that products of four of them lie between 2⁻⁵⁹⁶ and 2⁵¹⁶.
 
-use super::{Contact, Verdict};
+use super::{Contact, Incidence};
 use glam::{DVec3, Vec3};
 use saarcor_model::rays::Ray;
 
@@ -89,12 +89,12 @@ impl Estimate {
     /// or a vertex is never certain.
     #[inline]
     #[must_use]
-    pub fn verdict(&self) -> Option<Verdict> {
+    pub fn incidence(&self) -> Option<Incidence> {
         let [a, b, c] = self.weights.map(Approximate::sign);
         // Weights of both signs, or all of one.
         if (a * b < 0) | (b * c < 0) | (c * a < 0) {
             // NaN and infinite coordinates do not come here: no sign is certain beside them.
-            return Some(Verdict::Miss);
+            return Some(Incidence::Miss);
         }
         if a + b + c != 3 * a || a == 0 {
             return None;
@@ -102,8 +102,8 @@ impl Estimate {
         let side = self.sum.sign();
         let (t_min, t_max) = self.range;
         match (side * self.beyond(t_min), side * self.beyond(t_max)) {
-            (-1, _) | (_, 1) => Some(Verdict::Miss),
-            (1, -1) => Some(Verdict::Hit(Contact::Interior)),
+            (-1, _) | (_, 1) => Some(Incidence::Miss),
+            (1, -1) => Some(Incidence::Hit(Contact::Interior)),
             _ => None,
         }
     }

@@ -6,7 +6,7 @@
 //! them has another sign than their sum, which is the direction times the normal; the distance is
 //! `A · (B × C)` over that sum (Möller and Trumbore 1997, by Cramer's rule).
 
-use super::{Contact, Verdict};
+use super::{Contact, Incidence};
 use dashu_ratio::{RBig, Relaxed};
 use glam::Vec3;
 use saarcor_model::rays::Ray;
@@ -84,16 +84,16 @@ impl Volumes {
 
 /// Whether `ray` hits the triangle, and where: [`super::judge`] without its filter.
 #[must_use]
-pub fn verdict(ray: &Ray, corners: &[Vec3; 3]) -> Verdict {
-    let Some(volumes) = Volumes::new(ray, corners) else { return Verdict::Miss };
+pub fn incidence(ray: &Ray, corners: &[Vec3; 3]) -> Incidence {
+    let Some(volumes) = Volumes::new(ray, corners) else { return Incidence::Miss };
     let signs: [_; 3] = std::array::from_fn(|corner| volumes.sign(&volumes.weights[corner]));
     let in_range = matches!(volumes.distance_to(ray.t_min), Some(Ordering::Greater | Ordering::Equal))
         && matches!(volumes.distance_to(ray.t_max), Some(Ordering::Less));
     if !in_range || signs.contains(&Ordering::Less) {
-        return Verdict::Miss;
+        return Incidence::Miss;
     }
     let zero: Vec<usize> = (0..3).filter(|&corner| signs[corner] == Ordering::Equal).collect();
-    Verdict::Hit(match zero[..] {
+    Incidence::Hit(match zero[..] {
         [] => Contact::Interior,
         [corner] => Contact::Edge(corner),
         // The weights add up to one, so that not all are zero: the third corner is the one met.

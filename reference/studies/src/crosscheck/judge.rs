@@ -7,7 +7,7 @@ use saarcor_model::rays::Ray;
 use saarcor_oracles::bvh::Bvh;
 use saarcor_oracles::embree::{Hit, distance_bound};
 use saarcor_oracles::exact::filter::{Distance, Estimate};
-use saarcor_oracles::exact::{Closest, Contact, Verdict, closest, judge, rational, solve};
+use saarcor_oracles::exact::{Closest, Contact, Incidence, closest, judge, rational, solve};
 use serde::Serialize;
 
 /// How an answer is wrong.
@@ -258,7 +258,7 @@ impl<'a> Judge<'a> {
         let mut required = None;
         for number in self.bvh.candidates(&closed, f64::INFINITY) {
             let corners = &self.triangles[number as usize];
-            let Verdict::Hit(contact) = judge(&closed, corners) else { continue };
+            let Incidence::Hit(contact) = judge(&closed, corners) else { continue };
             let Some(t) = rational::distance(&closed, corners) else { continue };
             if ends[1].as_ref().is_some_and(|end| t > *end) {
                 continue;
