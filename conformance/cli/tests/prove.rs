@@ -20,7 +20,7 @@ fn lists_theorems_without_judging_them() {
     let text = stdout_of(&["prove", "--list", "hash"]);
     let hash = listed.iter().filter(|theorem| theorem["unit"] == "vm::hash").count();
     assert_eq!(text.lines().count(), hash, "a unit by its name");
-    assert!(text.contains("VM-3  The hash names a set"));
+    assert!(text.contains("VM-3  The hash gives a set"));
 }
 
 #[test]
