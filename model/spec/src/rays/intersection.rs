@@ -113,16 +113,20 @@ fn rounding<const N: usize>(
         let found = test(&triangle, packet, lane);
         let nearer = (found.t < hits.t[lane]) | ((found.t == hits.t[lane]) & (addr.0 < hits.triangle[lane]));
         let in_range = (found.t >= packet.t_min[lane]) & (found.t < packet.t_max[lane]);
-        if cell.meets(lane) & found.inside & in_range & nearer {
-            hits.keep(lane, addr, [found.t, found.u, found.v], query);
-        }
+        let keeps = cell.meets(lane) & found.inside & in_range & nearer;
+        // A shadow ray needs no more than one hit: nothing is nearer than minus infinity.
+        let t = if query == Query::Any { f32::NEG_INFINITY } else { found.t };
+        hits.t[lane] = if keeps { t } else { hits.t[lane] };
+        hits.u[lane] = if keeps { found.u } else { hits.u[lane] };
+        hits.v[lane] = if keeps { found.v } else { hits.v[lane] };
+        hits.triangle[lane] = if keeps { addr.0 } else { hits.triangle[lane] };
     }
 }
 
 /// Where the ray in `lane` meets the triangle's plane.
 fn test<T: TriangleTest<f32>, const N: usize>(triangle: &T, packet: &Packet<N>, lane: usize) -> Candidate {
-    let origin = packet.origin(lane).to_array();
-    let direction = packet.direction(lane).to_array();
+    let origin = [packet.origin[0][lane], packet.origin[1][lane], packet.origin[2][lane]];
+    let direction = [packet.direction[0][lane], packet.direction[1][lane], packet.direction[2][lane]];
     triangle.intersect(&T::ray(origin, direction))
 }
 

@@ -45,7 +45,7 @@ impl<const N: usize> Intervals<N> {
     /// Whether any ray meets the cell.
     #[must_use]
     pub fn any(&self) -> bool {
-        (0..N).any(|lane| self.meets(lane))
+        self.count() > 0
     }
 
     /// Number of rays that meet the cell.
