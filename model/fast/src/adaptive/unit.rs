@@ -67,7 +67,7 @@ impl<const N: usize> IntersectionUnit<N> for FilteredIntersection<N> {
 }
 
 impl<const N: usize> FilteredIntersection<N> {
-    /// First whom the fast test lets pass, in one stream of arithmetic, then the other rays one by one.
+    /// Rejects for all rays at once those that miss for certain; then tests the others one by one.
     #[inline(never)]
     fn adaptive(
         &mut self,
@@ -78,14 +78,14 @@ impl<const N: usize> FilteredIntersection<N> {
         query: Query,
         hits: &mut Hits<N>,
     ) {
-        let mut passes = [false; N];
-        for (lane, passes) in passes.iter_mut().enumerate() {
+        let mut misses = [false; N];
+        for (lane, misses) in misses.iter_mut().enumerate() {
             let ray = AdaptiveRay::new(&packet.ray(lane));
-            *passes = triangle.estimate(&ray).is_outside();
+            *misses = triangle.estimate(&ray).is_outside();
         }
-        for lane in 0..N {
+        for (lane, &misses) in misses.iter().enumerate() {
             let done = matches!(query, Query::Any) & hits.is_hit(lane);
-            if passes[lane] | done | !cell.meets(lane) {
+            if misses | done | !cell.meets(lane) {
                 continue;
             }
             let ray = packet.ray(lane);
