@@ -26,7 +26,6 @@ pub struct Features {
 }
 
 /// Computes what of the chip the scene needs, from the materials that its triangles use.
-#[must_use]
 pub fn features(scene: &Scene) -> Features {
     let mut used = vec![false; scene.materials.len()];
     for triangle in &scene.triangles {
@@ -52,7 +51,6 @@ pub fn features(scene: &Scene) -> Features {
 
 impl Features {
     /// Triangles have texture coordinates.
-    #[must_use]
     pub fn mapped(self) -> bool {
         self.textures || self.bump_maps
     }

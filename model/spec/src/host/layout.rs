@@ -194,7 +194,6 @@ impl HostImage {
     }
 
     /// The scene's index of the triangle at `addr`.
-    #[must_use]
     pub fn triangle_id(&self, addr: HostAddr) -> u32 {
         self.triangle_ids[self.registers.triangle_index(addr) as usize]
     }
@@ -202,7 +201,6 @@ impl HostImage {
 
 impl Registers {
     /// Which triangle of the image lies at `addr`.
-    #[must_use]
     pub fn triangle_index(&self, addr: HostAddr) -> u32 {
         (addr.0 - self.triangles.0) / TRIANGLE_BYTES
     }

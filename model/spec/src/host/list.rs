@@ -16,14 +16,12 @@ pub struct ListEntry {
 
 impl ListEntry {
     /// Reads an entry: an address whose two lowest bits are the tag (HI-3, Assumed).
-    #[must_use]
     pub fn decode(bytes: [u8; LIST_ENTRY_BYTES as usize]) -> Self {
         let entry = u32::from_le_bytes(bytes);
         Self { triangle: HostAddr(entry & !3), tag: entry & 3 }
     }
 
     /// The bytes that [`ListEntry::decode`] reads.
-    #[must_use]
     pub fn encode(self) -> [u8; LIST_ENTRY_BYTES as usize] {
         (self.triangle.0 | self.tag).to_le_bytes()
     }

@@ -30,7 +30,6 @@ pub enum NodeRecord {
 impl NodeRecord {
     /// Reads a node: the split plane or the count, then an address whose two lowest bits are the
     /// axis, or 3 for a leaf (KD-1, Assumed).
-    #[must_use]
     pub fn decode(bytes: [u8; NODE_BYTES as usize]) -> Self {
         let [a, b, c, d, e, f, g, h] = bytes;
         let (first, second) = (u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h]));
@@ -45,7 +44,6 @@ impl NodeRecord {
     }
 
     /// The bytes that [`NodeRecord::decode`] reads. Addresses are multiples of 4.
-    #[must_use]
     pub fn encode(self) -> [u8; NODE_BYTES as usize] {
         let (first, addr, tag) = match self {
             Self::Inner { axis, split, below } => (split.to_bits(), below.0, axis as u32),

@@ -51,7 +51,6 @@ impl Features {
     pub const MAX_RECORD_BYTES: usize = 92;
 
     /// Bytes of a material in this scene.
-    #[must_use]
     pub fn material_bytes(self) -> u32 {
         12 + 16 * u32::from(self.highlights)
             + 4 * u32::from(self.reflection)
@@ -61,7 +60,6 @@ impl Features {
     }
 
     /// Bytes of a shading record in this scene.
-    #[must_use]
     pub fn shading_record_bytes(self) -> u32 {
         16 + 36 * u32::from(self.smooth_normals)
             + 24 * u32::from(self.mapped())
@@ -75,7 +73,6 @@ impl MaterialRecord {
     ///
     /// # Panics
     /// If there are fewer than [`Features::material_bytes`].
-    #[must_use]
     pub fn decode(bytes: &[u8], features: Features) -> Self {
         let mut fields = Fields { rest: bytes };
         let diffuse = fields.vec3();
@@ -90,7 +87,6 @@ impl MaterialRecord {
     }
 
     /// The bytes that [`MaterialRecord::decode`] reads.
-    #[must_use]
     pub fn encode(&self, features: Features) -> Vec<u8> {
         let mut record = Record::default();
         record.vec3(self.diffuse);
@@ -121,7 +117,6 @@ impl ShadingRecord {
     ///
     /// # Panics
     /// If there are fewer than [`Features::shading_record_bytes`].
-    #[must_use]
     pub fn decode(bytes: &[u8], features: Features) -> Self {
         let mut fields = Fields { rest: bytes };
         let material = HostAddr(fields.u32());
@@ -139,7 +134,6 @@ impl ShadingRecord {
     }
 
     /// The bytes that [`ShadingRecord::decode`] reads.
-    #[must_use]
     pub fn encode(&self, features: Features) -> Vec<u8> {
         let mut record = Record::default();
         record.u32(self.material.0);

@@ -20,7 +20,6 @@ impl Triangle {
     ///
     /// Decided in f64, where the differences and products of f32 coordinates of similar
     /// magnitude are exact.
-    #[must_use]
     pub fn is_degenerate(&self) -> bool {
         let [a, b, c] = self.corners.map(Vec3::as_dvec3);
         (b - a).cross(c - a) == glam::DVec3::ZERO
@@ -38,7 +37,6 @@ pub enum TexelFormat {
 
 impl TexelFormat {
     /// Bytes a texel.
-    #[must_use]
     pub const fn texel_bytes(self) -> u32 {
         match self {
             Self::Rgba8 => 4,

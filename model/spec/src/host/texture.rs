@@ -27,7 +27,6 @@ impl TextureRecord {
     /// Number of the texel in `column` and `row` in the order of their addresses: by bands of four
     /// rows, in a band by columns. So 4 × 4 texels lie together, and what a filter or the next ray
     /// needs is likely in the same line (after Hakura and Gupta 1997).
-    #[must_use]
     pub fn place(&self, column: u32, row: u32) -> u32 {
         let above = row / BAND * BAND;
         above * self.width + column * BAND.min(self.height - above) + row - above
@@ -35,20 +34,17 @@ impl TextureRecord {
 
     /// Levels of the texture's mip map (Williams 1983): each has half the columns and half the rows
     /// of the one before, at least one, and the last has one texel.
-    #[must_use]
     pub fn levels(&self) -> u32 {
         self.width.max(self.height).ilog2() + 1
     }
 
     /// Texels of the first `levels` levels.
-    #[must_use]
     pub fn texels_of_levels(&self, levels: u32) -> u64 {
         let length = |side: u32, level: u32| u64::from((side >> level).max(1));
         (0..levels).map(|level| length(self.width, level) * length(self.height, level)).sum()
     }
 
     /// A level of the mip map, of texels of `format`.
-    #[must_use]
     pub fn level(&self, level: u32, format: TexelFormat) -> Self {
         let before = self.texels_of_levels(level) as u32 * format.texel_bytes();
         let [width, height] = [self.width, self.height].map(|side| (side >> level).max(1));
@@ -61,7 +57,6 @@ impl TextureRecord {
     /// That is the rounded base-4 logarithm of the number of texels of the finest level that it covers.
     /// The exponent of that number gives it exactly, and the same on every machine. NaN counts as
     /// infinite.
-    #[must_use]
     pub fn level_seen(&self, area: f32) -> u32 {
         let texels = area * self.width as f32 * self.height as f32;
         let exponent = (texels.to_bits() >> 23 & 0xFF) as i32 - 127;
@@ -71,7 +66,6 @@ impl TextureRecord {
 
 impl Texture {
     /// The next level of the mip map: means of 2 × 2 texels. None behind one texel.
-    #[must_use]
     pub fn halved(&self) -> Option<Self> {
         if self.width.max(self.height) <= 1 {
             return None;

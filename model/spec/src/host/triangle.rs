@@ -28,7 +28,6 @@ impl Kernel {
         [Self::MollerTrumbore, Self::Wald, Self::Plucker, Self::Watertight, Self::Adaptive];
 
     /// What the driver stores of a triangle for this test.
-    #[must_use]
     pub fn record(self, corners: &[Vec3; 3]) -> TriangleRecord {
         match self {
             Self::Wald => {
@@ -52,7 +51,6 @@ pub struct TriangleRecord {
 
 impl TriangleRecord {
     /// Reads a triangle, of whose list entry `tag` are the two lowest bits.
-    #[must_use]
     pub fn decode(bytes: [u8; TRIANGLE_BYTES as usize], tag: u32) -> Self {
         let mut words = [0.0; 9];
         for (word, bytes) in words.iter_mut().zip(bytes.as_chunks().0) {
@@ -62,14 +60,12 @@ impl TriangleRecord {
     }
 
     /// The triangle's own bytes, which [`TriangleRecord::decode`] reads.
-    #[must_use]
     pub fn encode(&self) -> [u8; TRIANGLE_BYTES as usize] {
         let bytes = self.words.map(f32::to_le_bytes);
         std::array::from_fn(|byte| bytes[byte / 4][byte % 4])
     }
 
     /// The corners, of a record that holds them.
-    #[must_use]
     pub fn corners(&self) -> [Vec3; 3] {
         std::array::from_fn(|corner| Vec3::from_slice(&self.words[3 * corner..]))
     }
@@ -90,7 +86,6 @@ pub struct Projection {
 impl Projection {
     /// The projection of a triangle along the axis of its normal's largest component, of several the
     /// first. A triangle without area has words that are NaN or infinite.
-    #[must_use]
     pub fn new(corners: &[Vec3; 3]) -> Self {
         let [a, b, c] = corners.map(Vec3::as_dvec3);
         let (to_b, to_c) = (b - a, c - a);

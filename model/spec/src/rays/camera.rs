@@ -24,7 +24,6 @@ pub struct Frame {
 
 impl Frame {
     /// The picture of `width × height` square pixels that `camera` takes.
-    #[must_use]
     pub fn new(camera: &Camera, width: u32, height: u32) -> Self {
         let half_height = (camera.fov_y_deg.to_radians() / 2.0).tan();
         let half_width = half_height * width as f32 / height as f32;
@@ -39,25 +38,21 @@ impl Frame {
     }
 
     /// Pixels a row.
-    #[must_use]
     pub fn width(&self) -> u32 {
         self.width
     }
 
     /// Rows of pixels.
-    #[must_use]
     pub fn height(&self) -> u32 {
         self.height
     }
 
     /// Width of a pixel at distance 1, in the picture's middle.
-    #[must_use]
     pub fn pixel_width(&self) -> f32 {
         2.0 * self.up.length() / self.height as f32
     }
 
     /// The ray through the centre of a pixel; rows count from the top (RG-1).
-    #[must_use]
     pub fn primary_ray(&self, x: u32, y: u32) -> Ray {
         let along = (2.0 * x as f32 + 1.0) / self.width as f32 - 1.0;
         let upwards = 1.0 - (2.0 * y as f32 + 1.0) / self.height as f32;
@@ -66,14 +61,12 @@ impl Frame {
     }
 
     /// Tiles a row and rows of tiles, for packets of `N` rays.
-    #[must_use]
     pub fn tiles<const N: usize>(&self) -> (u32, u32) {
         let side = tile_side(N);
         (self.width.div_ceil(side), self.height.div_ceil(side))
     }
 
     /// Number of packets of `N` rays that make the picture.
-    #[must_use]
     pub fn packets<const N: usize>(&self) -> u32 {
         let (columns, rows) = self.tiles::<N>();
         columns * rows
@@ -81,7 +74,6 @@ impl Frame {
 
     /// The pixel of each lane of a packet, by rows within the tile; none beyond the picture's
     /// edge. Packets count in scan order: tiles from left to right, then downwards (RG-2).
-    #[must_use]
     pub fn pixels<const N: usize>(&self, packet: u32) -> [Option<(u32, u32)>; N] {
         let side = tile_side(N);
         let (columns, _) = self.tiles::<N>();
@@ -93,7 +85,6 @@ impl Frame {
     }
 
     /// The primary rays of a packet.
-    #[must_use]
     pub fn primary_packet<const N: usize>(&self, packet: u32) -> Packet<N> {
         Packet::new(self.pixels(packet).map(|pixel| pixel.map(|(x, y)| self.primary_ray(x, y))))
     }
@@ -114,7 +105,6 @@ fn tile_side(n: usize) -> u32 {
 /// `scale` is the largest coordinate that the point was computed from: its error is a multiple of
 /// the spacing of f32 there. The ray starts off the surface, on the side of the plane with unit
 /// normal `normal` to which it goes.
-#[must_use]
 pub fn ray_from_surface(point: Vec3, scale: f32, normal: Vec3, direction: Vec3, t_max: f32) -> Ray {
     let side = if direction.dot(normal) < 0.0 { -normal } else { normal };
     Ray { origin: point + side * (SURFACE_OFFSET * scale), direction, t_min: 0.0, t_max }

@@ -42,7 +42,6 @@ pub struct StoredTriangle {
 
 impl StoredTriangle {
     /// The triangle as the driver stores it.
-    #[must_use]
     pub fn new(addr: HostAddr, kernel: Kernel, corners: &[Vec3; 3]) -> Self {
         Self { addr, kernel, record: kernel.record(corners) }
     }
@@ -164,7 +163,6 @@ impl<const N: usize> Intersection<N> {
 }
 
 /// Where one ray hits one triangle, if it does within its range.
-#[must_use]
 pub fn intersect(kernel: Kernel, corners: &[Vec3; 3], ray: &Ray) -> Option<Candidate> {
     let packet = Packet::new([Some(*ray)]);
     let mut hits = Hits::none(&packet);

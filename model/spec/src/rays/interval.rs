@@ -37,25 +37,21 @@ impl<const N: usize> Intervals<N> {
     pub const EVERYWHERE: Self = Self { enter: [f32::NEG_INFINITY; N], leave: [f32::INFINITY; N] };
 
     /// Whether the ray in `lane` meets the cell.
-    #[must_use]
     pub fn meets(&self, lane: usize) -> bool {
         self.enter[lane] <= self.leave[lane]
     }
 
     /// Whether any ray meets the cell.
-    #[must_use]
     pub fn any(&self) -> bool {
         self.count() > 0
     }
 
     /// Number of rays that meet the cell.
-    #[must_use]
     pub fn count(&self) -> u32 {
         (0..N).filter(|&lane| self.meets(lane)).count() as u32
     }
 
     /// The first ray that meets the cell.
-    #[must_use]
     pub fn first(&self) -> Option<usize> {
         (0..N).find(|&lane| self.meets(lane))
     }
@@ -69,20 +65,17 @@ impl<const N: usize> Intervals<N> {
 }
 
 /// The lesser of two numbers; the second where they are equal, or one is NaN.
-#[must_use]
 pub fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
 /// The greater of two numbers; the second where they are equal, or one is NaN.
-#[must_use]
 pub fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
 /// Least and greatest distance at which a plane may be met, from the distance computed (KD-3,
 /// Derived). Both are NaN where that is, and infinite where that is.
-#[must_use]
 pub fn widen(t: f32) -> (f32, f32) {
     let (a, b) = (t * (1.0 - WIDENING), t * (1.0 + WIDENING));
     (min(a, b) - UNDERFLOW, max(a, b) + UNDERFLOW)
@@ -94,7 +87,6 @@ pub fn widen(t: f32) -> (f32, f32) {
 /// A distance that is NaN, as of a plane in which the ray lies, leaves the whole interval to both
 /// children; an infinite distance, as of a plane to which the ray is parallel, leaves it to the side
 /// on which the ray is.
-#[must_use]
 pub fn visit(enter: f32, leave: f32, (least, greatest): (f32, f32), downwards: bool) -> [(f32, f32); 2] {
     let near = (enter, min(greatest, leave));
     let far = (max(least, enter), leave);
@@ -109,7 +101,6 @@ pub fn visit(enter: f32, leave: f32, (least, greatest): (f32, f32), downwards: b
 /// That is where the reciprocal is less than the least normal f32, or a distance is greater than
 /// the greatest f32: a ray with a component of 2⁻¹³⁰ has none that is an f32, but moves by 1/8 until
 /// t = 2¹²⁷.
-#[must_use]
 pub fn reciprocal(direction: f32, reach: f32) -> f32 {
     let reciprocal = 1.0 / direction;
     let exact = direction == 0.0;
@@ -119,7 +110,6 @@ pub fn reciprocal(direction: f32, reach: f32) -> f32 {
 
 /// Whether a ray goes towards lower coordinates, by the reciprocal of its direction; −0.0, whose
 /// reciprocal is −∞, does.
-#[must_use]
 pub fn is_downwards(reciprocal: f32) -> bool {
     reciprocal < 0.0
 }

@@ -31,7 +31,6 @@ impl std::ops::AddAssign for RayCounts {
 
 impl RayCounts {
     /// Rays of all kinds.
-    #[must_use]
     pub fn total(self) -> u64 {
         self.primary + self.shadow + self.secondary
     }
@@ -57,7 +56,6 @@ impl<const N: usize> Pipeline<N> {
     pub const STANDARD_BOUNCES: u32 = 5;
 
     /// A pipeline that has traced nothing yet.
-    #[must_use]
     pub fn new(max_bounces: u32) -> Self {
         Self::with(Intersection::default(), max_bounces)
     }
@@ -65,7 +63,6 @@ impl<const N: usize> Pipeline<N> {
 
 impl<const N: usize, I: IntersectionUnit<N>> Pipeline<N, I> {
     /// A pipeline with another intersection unit than that of this specification.
-    #[must_use]
     pub fn with(intersection: I, max_bounces: u32) -> Self {
         Self { max_bounces, rays: RayCounts::default(), traversal: Traversal::with(intersection) }
     }
@@ -162,7 +159,6 @@ impl<const N: usize, I: IntersectionUnit<N>> Pipeline<N, I> {
 }
 
 /// The ray from a surface to a light (RG-5). It ends at the light itself, at distance 1.
-#[must_use]
 pub fn shadow_ray(surface: &Surface, light: &Light) -> Ray {
     let Surface { point, scale, plane_normal, .. } = *surface;
     let start = ray_from_surface(point, scale, plane_normal, light.position - point, 1.0);

@@ -41,7 +41,6 @@ impl<const N: usize> Packet<N> {
     };
 
     /// The packet of those rays that are there.
-    #[must_use]
     pub fn new(rays: [Option<Ray>; N]) -> Self {
         let mut packet = Self::EMPTY;
         for (lane, ray) in rays.iter().enumerate() {
@@ -58,19 +57,16 @@ impl<const N: usize> Packet<N> {
     }
 
     /// Whether the ray in `lane` takes part.
-    #[must_use]
     pub fn is_active(&self, lane: usize) -> bool {
         self.t_min[lane] <= self.t_max[lane]
     }
 
     /// Number of rays that take part.
-    #[must_use]
     pub fn active(&self) -> u32 {
         (0..N).filter(|&lane| self.is_active(lane)).count() as u32
     }
 
     /// The ray in `lane`.
-    #[must_use]
     pub fn ray(&self, lane: usize) -> Ray {
         Ray {
             origin: self.origin(lane),
@@ -81,13 +77,11 @@ impl<const N: usize> Packet<N> {
     }
 
     /// The origin of the ray in `lane`.
-    #[must_use]
     pub fn origin(&self, lane: usize) -> Vec3 {
         Vec3::new(self.origin[0][lane], self.origin[1][lane], self.origin[2][lane])
     }
 
     /// The direction of the ray in `lane`.
-    #[must_use]
     pub fn direction(&self, lane: usize) -> Vec3 {
         Vec3::new(self.direction[0][lane], self.direction[1][lane], self.direction[2][lane])
     }
@@ -111,13 +105,11 @@ impl<const N: usize> Hits<N> {
     pub const NOTHING: u32 = u32::MAX;
 
     /// No hits yet for the rays of `packet`.
-    #[must_use]
     pub fn none(packet: &Packet<N>) -> Self {
         Self { t: packet.t_max, u: [0.0; N], v: [0.0; N], triangle: [Self::NOTHING; N] }
     }
 
     /// Whether the ray in `lane` hit something.
-    #[must_use]
     pub fn is_hit(&self, lane: usize) -> bool {
         self.triangle[lane] != Self::NOTHING
     }

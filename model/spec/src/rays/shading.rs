@@ -163,14 +163,12 @@ fn bumped(record: &ShadingRecord, normal: Vec3, slope: Vec2) -> Vec3 {
 impl Surface {
     /// The colour of a surface in a scene without lights: its own, darker where it is seen from
     /// the side (SH-3).
-    #[must_use]
     pub fn unlit(&self) -> Vec3 {
         self.diffuse * (AMBIENT + (1.0 - AMBIENT) * self.facing())
     }
 
     /// The colour of a surface that no light reaches, in a scene with lights: half as bright where
     /// it is seen from the side, so that shapes show in the shadow (SH-3).
-    #[must_use]
     pub fn ambient(&self) -> Vec3 {
         self.diffuse * (AMBIENT * (1.0 + self.facing()) / 2.0)
     }
@@ -181,7 +179,6 @@ impl Surface {
     }
 
     /// What `light` adds where nothing is in its way: Phong's diffuse and specular terms (SH-3).
-    #[must_use]
     pub fn lit(&self, light: &Light) -> Vec3 {
         let to_light = (light.position - self.point).normalize_or_zero();
         let facing = self.normal.dot(to_light);
@@ -197,14 +194,12 @@ impl Surface {
     }
 
     /// Direction of the mirrored ray.
-    #[must_use]
     pub fn mirrored(&self) -> Vec3 {
         self.direction - self.normal * (2.0 * self.normal.dot(self.direction))
     }
 
     /// Direction of the refracted ray by Snell's law; of the mirrored one where all light is
     /// reflected. Behind the front lies the material, before it lies air.
-    #[must_use]
     pub fn refracted(&self) -> Vec3 {
         let index = self.material.index_of_refraction;
         let ratio = if self.front { 1.0 / index } else { index };

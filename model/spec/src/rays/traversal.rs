@@ -27,7 +27,6 @@ impl Children {
     ///
     /// Where none is met, it is the one above: widened intervals overlap, so that a packet that
     /// meets a cell meets at least one child.
-    #[must_use]
     pub fn met(below: bool, above: bool, downwards: impl FnOnce() -> bool) -> Self {
         match (below, above) {
             (true, true) if downwards() => Self::AboveFirst,
@@ -54,7 +53,6 @@ pub struct Stack<T, const DEPTH: usize> {
 
 impl<T: Copy, const DEPTH: usize> Stack<T, DEPTH> {
     /// Nothing is put off; `unused` fills the room.
-    #[must_use]
     pub fn new(unused: T) -> Self {
         Self { put_off: [unused; DEPTH], len: 0 }
     }
@@ -122,7 +120,6 @@ impl<const N: usize> Default for Traversal<N> {
 
 impl<const N: usize, I: IntersectionUnit<N>> Traversal<N, I> {
     /// A traversal unit in front of another intersection unit than that of this specification.
-    #[must_use]
     pub fn with(intersection: I) -> Self {
         let unused = Visit { node: HostAddr(0), intervals: Intervals::EMPTY };
         Self { stack: Stack::new(unused), intersection }

@@ -28,7 +28,6 @@ pub struct UnitConfig {
 
 impl UnitConfig {
     /// Cycles in which the rays of an operation go in (CH-6).
-    #[must_use]
     pub fn cycles(&self, rays: u32) -> u32 {
         rays.div_ceil(self.rays_a_cycle).max(1)
     }
@@ -60,7 +59,6 @@ pub struct MetadataCacheConfig {
 
 impl MetadataCacheConfig {
     /// Its sets.
-    #[must_use]
     pub fn sets(&self) -> u32 {
         self.bytes / self.granule / CHIP_CACHE_WAYS as u32
     }
@@ -117,7 +115,6 @@ pub const UNIT_NAMES: [&str; 4] = ["shading", "traversal", "list", "intersection
 
 impl ChipConfig {
     /// The paper's chip (§4) with this virtual memory and the slow bus, by the numbers of [`standard`].
-    #[must_use]
     pub fn standard(version: Version, cache: CacheConfig) -> Self {
         let unit = |unit: usize| UnitConfig {
             rays_a_cycle: standard::RAYS_A_CYCLE[unit],
@@ -148,13 +145,11 @@ impl ChipConfig {
     }
 
     /// Bytes of a first-level cache.
-    #[must_use]
     pub fn l1_bytes(&self, unit: usize) -> u64 {
         u64::from(self.l1[unit].line) * u64::from(self.l1[unit].sets) * CHIP_CACHE_WAYS as u64
     }
 
     /// Frames a second of pictures that take `cycles`.
-    #[must_use]
     pub fn fps(&self, cycles: u64) -> f64 {
         self.core_hz as f64 / cycles as f64
     }

@@ -36,7 +36,6 @@ pub struct Programs {
 
 impl Programs {
     /// Where the lines of a first-level cache begin (L1-1).
-    #[must_use]
     pub fn first_level_base(&self, unit: Unit) -> HostAddr {
         if unit == Unit::Intersection { self.triangles } else { HostAddr(0) }
     }
@@ -47,7 +46,6 @@ impl Programs {
     }
 
     /// Operations of all packets.
-    #[must_use]
     pub fn operations(&self) -> u64 {
         self.packets.iter().map(|packet| packet.len() as u64).sum()
     }

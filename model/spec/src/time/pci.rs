@@ -39,7 +39,6 @@ impl PciConfig {
     /// assert_eq!(PciConfig::BITS_32_AT_33_MHZ.cycles(128), 550); // §4: "about 550"
     /// assert_eq!(PciConfig::BITS_64_AT_66_MHZ.cycles(128), 166);
     /// ```
-    #[must_use]
     pub fn cycles(&self, bytes: u64) -> u64 {
         let beats = bytes.div_ceil(u64::from(self.beat_bytes));
         u64::from(self.setup) + beats * u64::from(self.cycles_a_beat)
@@ -58,7 +57,6 @@ pub struct Pci {
 
 impl Pci {
     /// The bus before its first transfer.
-    #[must_use]
     pub fn new(config: PciConfig) -> Self {
         Self { config, waiting: VecDeque::new(), arrival: None }
     }

@@ -38,7 +38,6 @@ pub struct UnitReport {
 
 impl UnitReport {
     /// Cycles of stalls of all causes.
-    #[must_use]
     pub fn stalled(&self) -> u64 {
         self.stalls.iter().sum()
     }
@@ -57,7 +56,6 @@ pub struct CacheReport {
 
 impl CacheReport {
     /// Lines that were there.
-    #[must_use]
     pub fn hits(&self) -> u64 {
         self.accesses - self.merged - self.misses
     }
@@ -90,7 +88,6 @@ pub struct TimingReport {
 
 impl TimingReport {
     /// Bytes that moved on the bus of the on-board memory: Table 2's Mem.
-    #[must_use]
     pub fn memory_bytes(&self) -> u64 {
         self.l1_fill_bytes + self.vm_fill_bytes + self.metadata_read_bytes + self.metadata_write_back_bytes
     }

@@ -51,14 +51,12 @@ impl SdramConfig {
     };
 
     /// Beats that `bytes > 0` bytes at `addr` touch.
-    #[must_use]
     pub fn beats(&self, addr: u64, bytes: u64) -> u64 {
         let beat = u64::from(self.beat_bytes);
         (addr + bytes - 1) / beat - addr / beat + 1
     }
 
     /// Bytes that move for them: whole beats (SD-1).
-    #[must_use]
     pub fn moved(&self, addr: u64, bytes: u64) -> u64 {
         self.beats(addr, bytes) * u64::from(self.beat_bytes)
     }
@@ -124,7 +122,6 @@ pub struct Sdram {
 
 impl Sdram {
     /// The memory at cycle 0, with all rows closed.
-    #[must_use]
     pub fn new(config: SdramConfig) -> Self {
         Self {
             config,
@@ -155,7 +152,6 @@ impl Sdram {
     }
 
     /// When the data of a transfer are on the bus, once all its commands are given.
-    #[must_use]
     pub fn span_of(&self, transfer: TransferId) -> Option<Span> {
         let unfinished = |job: &Job| matches!(job, Job::Move { transfer: other, .. } if *other == transfer);
         if self.jobs.iter().any(unfinished) {
@@ -167,7 +163,6 @@ impl Sdram {
     }
 
     /// Whether a transfer ended `latency` cycles before cycle `now`, or earlier.
-    #[must_use]
     pub fn is_over(&self, transfer: TransferId, latency: u64, now: u64) -> bool {
         self.span_of(transfer).is_some_and(|span| span.end + latency <= now)
     }

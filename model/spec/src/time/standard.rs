@@ -45,7 +45,6 @@ pub const METADATA_CACHE_BYTES: u32 = 64 << 10;
 pub const GRANULE: u32 = 16;
 
 /// Sets of the first-level cache of a unit (Derived).
-#[must_use]
 pub const fn first_level_sets(unit: usize) -> u32 {
     FIRST_LEVEL_BYTES[unit] / FIRST_LEVEL_LINE[unit] / CHIP_CACHE_WAYS as u32
 }

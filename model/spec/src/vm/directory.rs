@@ -20,7 +20,6 @@ pub struct CacheConfig {
 
 impl CacheConfig {
     /// The set of `line`.
-    #[must_use]
     pub fn set_of(&self, line: LineAddr) -> SetIndex {
         self.hash.set_of(line, self.geometry.set_bits())
     }
@@ -28,7 +27,6 @@ impl CacheConfig {
     /// The lines that `len` bytes at `addr` touch (VM-10), as the numbers of [`LineAddr`].
     ///
     /// Nothing is touched beyond the end of the 32-bit address space.
-    #[must_use]
     pub fn lines_of(&self, addr: HostAddr, len: u64) -> Range<u64> {
         let line_of = |addr| u64::from(self.geometry.line_of(addr).0);
         let first = line_of(addr);
@@ -64,7 +62,6 @@ impl Counters {
     }
 
     /// Accesses that found their line resident.
-    #[must_use]
     pub fn hits(&self) -> u64 {
         self.accesses - self.misses
     }
@@ -89,13 +86,11 @@ impl<const WAYS: usize> Directory<WAYS> {
     ///
     /// # Panics
     /// If `WAYS` is not the number of ways of `config.geometry`.
-    #[must_use]
     pub fn new(config: CacheConfig) -> Self {
         Self::over(config, OnChip::new(config.geometry.sets(), config.policy))
     }
 
     /// The sets, in the order of their indices.
-    #[must_use]
     pub fn sets(&self) -> &[Set<WAYS>] {
         &self.metadata.sets
     }
@@ -106,7 +101,6 @@ impl<const WAYS: usize, M: Metadata<WAYS>> Directory<WAYS, M> {
     ///
     /// # Panics
     /// If `WAYS` is not the number of ways of `config.geometry`.
-    #[must_use]
     pub fn over(config: CacheConfig, metadata: M) -> Self {
         assert_eq!(config.geometry.ways() as usize, WAYS, "the ways of the type are those of the geometry");
         Self { config, metadata, counters: Counters::default() }

@@ -44,7 +44,6 @@ impl<const WAYS: usize, Line: Copy> FirstLevel<WAYS, Line> {
 
     /// The lines that `len` bytes at `addr` touch, as the numbers of [`LineAddr`]. Bytes below
     /// `base` and beyond the end of the address space touch none.
-    #[must_use]
     pub fn lines_of(&self, addr: HostAddr, len: u64) -> Range<u64> {
         let (base, line_bytes) = (u64::from(self.base.0), u64::from(self.line_bytes));
         let begin = u64::from(addr.0).max(base);
@@ -55,20 +54,17 @@ impl<const WAYS: usize, Line: Copy> FirstLevel<WAYS, Line> {
 
     /// The addresses of the bytes of a line that begins within the address space: those beyond
     /// its end do not exist.
-    #[must_use]
     pub fn bytes_of(&self, line: LineAddr) -> Range<u64> {
         let begin = u64::from(self.base.0) + u64::from(line.0) * u64::from(self.line_bytes);
         begin..(begin + u64::from(self.line_bytes)).min(END)
     }
 
     /// The set of a line.
-    #[must_use]
     pub fn set_of(&self, line: LineAddr) -> SetIndex {
         Hash::Low.set_of(line, self.sets.len().ilog2())
     }
 
     /// Whether the cache holds a line.
-    #[must_use]
     pub fn is_resident(&self, line: LineAddr) -> bool {
         self.sets[self.set_of(line).0 as usize].set.way_of(line).is_some()
     }
@@ -103,7 +99,6 @@ impl<const WAYS: usize> FirstLevel<WAYS, ()> {
     ///
     /// # Panics
     /// If `sets` is not a power of two, or `line_bytes` is 0.
-    #[must_use]
     pub fn new(base: HostAddr, line_bytes: u32, sets: usize, policy: Policy) -> Self {
         Self::empty(base, line_bytes, sets, policy, ())
     }
@@ -114,7 +109,6 @@ impl<const WAYS: usize, const BYTES: usize> FirstLevel<WAYS, [u8; BYTES]> {
     ///
     /// # Panics
     /// If `sets` is not a power of two, or `BYTES` is 0.
-    #[must_use]
     pub fn new(base: HostAddr, sets: usize, policy: Policy) -> Self {
         Self::empty(base, BYTES as u32, sets, policy, [0; BYTES])
     }
@@ -145,7 +139,6 @@ impl<const WAYS: usize, const BYTES: usize> FirstLevel<WAYS, [u8; BYTES]> {
 
     /// The bytes of a line that begins within the address space, loaded through `unit` of the memory
     /// `below` if it is not resident.
-    #[must_use]
     pub fn line(&mut self, below: &mut impl Memory, unit: Unit, line: LineAddr) -> [u8; BYTES] {
         let first = HostAddr(self.bytes_of(line).start as u32);
         let outcome = self.access(line, || below.fetch(unit, first));
@@ -174,7 +167,6 @@ impl<M: Memory> FirstLevelCaches<M> {
     ///
     /// # Panics
     /// If a number of sets is not a power of two.
-    #[must_use]
     pub fn new(sets: [usize; 4], policy: Policy, triangles: HostAddr, below: M) -> Self {
         let base = HostAddr(0);
         Self {

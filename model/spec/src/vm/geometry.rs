@@ -98,69 +98,58 @@ impl Geometry {
     }
 
     /// Size of the on-board memory.
-    #[must_use]
     pub fn memory(self) -> Bytes {
         Bytes(1 << self.memory_bits)
     }
 
     /// Size `k` of a line.
-    #[must_use]
     pub fn line(self) -> Bytes {
         Bytes(1 << self.line_bits)
     }
 
     /// Lines a set.
-    #[must_use]
     pub fn ways(self) -> u32 {
         1 << self.way_bits
     }
 
     /// Lines that the memory holds.
-    #[must_use]
     pub fn lines(self) -> u64 {
         1 << (self.memory_bits - self.line_bits)
     }
 
     /// Number of sets.
-    #[must_use]
     pub fn sets(self) -> u64 {
         1 << self.set_bits()
     }
 
     /// Binary logarithm of the number of sets.
-    #[must_use]
     pub fn set_bits(self) -> u32 {
         self.memory_bits - self.line_bits - self.way_bits
     }
 
     /// Size of the metadata: 5 bytes × memory / k (VM-2; §3, Stated).
-    #[must_use]
     pub fn metadata(self) -> Bytes {
         Bytes(ENTRY_BYTES as u64 * self.lines())
     }
 
     /// The line that holds the byte at `addr`.
-    #[must_use]
     pub fn line_of(self, addr: HostAddr) -> LineAddr {
         // A line of 2³² bytes has all 32 address bits as its offset.
         LineAddr((u64::from(addr.0) >> self.line_bits) as u32)
     }
 
     /// The offset of the byte at `addr` within its line.
-    #[must_use]
     pub fn offset_of(self, addr: HostAddr) -> u32 {
         addr.0 & self.offset_mask()
     }
 
     /// Address of the first byte of `line`.
-    #[must_use]
     pub fn first_byte(self, line: LineAddr) -> HostAddr {
         HostAddr((u64::from(line.0) << self.line_bits) as u32)
     }
 
     /// The card address of the first byte of the line in `way` of `set`: the ways of a set follow one
     /// another (Assumed).
-    #[must_use]
     pub fn card_addr(self, set: SetIndex, way: Way) -> CardAddr {
         let slot = u64::from(set.0) << self.way_bits | u64::from(way.0);
         CardAddr((slot << self.line_bits) as u32)

@@ -109,7 +109,6 @@ pub struct Observed<M, O = ()> {
 
 impl<M: Memory> Observed<M> {
     /// A memory that nobody watches.
-    #[must_use]
     pub fn by_nobody(memory: M) -> Self {
         Self { memory, observer: () }
     }

@@ -24,7 +24,6 @@ impl HostAddr {
     ///
     /// # Panics
     /// If the sum leaves the host's 32-bit address space: no record of a valid image does.
-    #[must_use]
     pub fn offset(self, bytes: u32) -> Self {
         Self(self.0.checked_add(bytes).expect("an address inside the host's address space"))
     }

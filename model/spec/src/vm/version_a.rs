@@ -26,7 +26,6 @@ pub struct OnChip<const WAYS: usize> {
 
 impl<const WAYS: usize> OnChip<WAYS> {
     /// The metadata of so many empty sets.
-    #[must_use]
     pub fn new(sets: u64, policy: Policy) -> Self {
         Self { policy, sets: vec![Set::empty(policy); sets as usize] }
     }

@@ -78,7 +78,6 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize>
     ///
     /// # Panics
     /// If `sets` is not a power of two.
-    #[must_use]
     pub fn new(config: &CacheConfig, sets: usize, granules: Policy) -> Self {
         Self::observed(config, sets, granules, MetadataTraffic::default())
     }
@@ -96,7 +95,6 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, O: Metadat
     ///
     /// # Panics
     /// If `sets` is not a power of two.
-    #[must_use]
     pub fn observed(config: &CacheConfig, sets: usize, granules: Policy, observer: O) -> Self {
         assert!(sets.is_power_of_two(), "{sets} sets of metadata: it must be a power of two");
         let bytes = config.geometry.sets() as usize * Self::SET_BYTES;
@@ -137,7 +135,6 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, O: Metadat
     }
 
     /// The metadata of a set as the cache and the on-board memory together hold it (VM-13).
-    #[must_use]
     pub fn entries(&self, index: SetIndex) -> [[u8; ENTRY_BYTES]; WAYS] {
         let mut entries = [[0; ENTRY_BYTES]; WAYS];
         for k in 0..Self::MOST_GRANULES {

@@ -25,7 +25,6 @@ impl<H: HostMemory, const WAYS: usize, M: Metadata<WAYS>> VirtualMemory<H, WAYS,
     ///
     /// # Panics
     /// If the directory is not empty: its lines would not be on the card.
-    #[must_use]
     pub fn new(directory: Directory<WAYS, M>, host: H) -> Self {
         assert_eq!(directory.counters.accesses, 0, "an empty card needs an empty directory");
         let card = vec![0; directory.config.geometry.memory().0 as usize];

@@ -27,7 +27,6 @@ pub struct ExactHit {
 
 impl ExactHit {
     /// The hit of a ray and a triangle, if there is one within the ray's range (IS-1, IS-2).
-    #[must_use]
     pub fn new(ray: &Ray, corners: &[Vec3; 3]) -> Option<Self> {
         let finite = ray.origin.is_finite() && ray.direction.is_finite();
         if !finite || !corners.iter().all(|corner| corner.is_finite()) {
@@ -65,7 +64,6 @@ impl ExactHit {
     }
 
     /// How the distances of two hits of one ray compare.
-    #[must_use]
     pub fn order(&self, other: &Self) -> Ordering {
         // Both sums are positive.
         (self.height * other.sum - other.height * self.sum).sign()
@@ -73,14 +71,12 @@ impl ExactHit {
 
     /// Distance, and weights of the second and the third corner: numerator, divisor and quotient are
     /// each rounded once.
-    #[must_use]
     pub fn point(&self) -> [f64; 3] {
         let over_sum = |number: Integer| number.nearest() / self.sum.nearest();
         [over_sum(self.height), over_sum(self.weights[1]), over_sum(self.weights[2])]
     }
 
     /// The same in f32.
-    #[must_use]
     pub fn rounded(&self) -> [f32; 3] {
         self.point().map(|number| number as f32)
     }

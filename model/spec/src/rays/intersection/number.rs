@@ -29,7 +29,6 @@ pub trait Number:
     fn from_f64(value: f64) -> Self;
 
     /// Without the sign.
-    #[must_use]
     fn abs(self) -> Self;
 
     /// Neither infinite nor NaN.

@@ -29,7 +29,6 @@ pub struct ProjectedTriangle<R = f32> {
 
 impl ProjectedTriangle {
     /// From what the driver stored for the chip.
-    #[must_use]
     pub fn decode(record: &TriangleRecord) -> Self {
         // Three is no axis: the driver never stores it.
         Self { axis: (record.tag % 3) as usize, words: record.words }
