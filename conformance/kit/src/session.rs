@@ -74,6 +74,7 @@ impl Session {
         let (config, _) = lines
             .next()
             .and_then(|(line, number)| Some((line.strip_prefix("config ")?, number)))
+            .filter(|(config, _)| !config.trim().is_empty())
             .ok_or_else(|| {
                 wrong(about.len() + also.len() + 2, "'config KEY=VALUE ..' has to follow the hello")
             })?;
@@ -278,6 +279,7 @@ mod tests {
             ("", 0, "hello"),
             ("# only\n", 1, "hello"),
             ("saarcor-vm 1\nr 0 1\n", 2, "config"),
+            ("saarcor-vm 1\nconfig \nr 0 1\nend\n", 2, "config"),
             ("saarcor-vm 1\nconfig a=1\nr 0 1\n", 3, "end"),
             ("saarcor-vm 1\nconfig a=1\nend\nr 0 1\n", 4, "nothing follows"),
         ] {
