@@ -116,7 +116,7 @@ theorems! {
                             _ => Children::BelowFirst,
                         };
                         both |= visited == Children::BelowFirst;
-                        Some(children + u32::from(stack.descend(visited, children, children + 1)))
+                        Some(children + u32::from(stack.descend(visited, &children, &(children + 1))))
                     }
                     Node::Leaf { .. } => {
                         chain &= steps == 3;

@@ -180,7 +180,7 @@ theorems! {
                 check!(stack.len <= level, "{} children put off at node {node}, {level} inner nodes above", stack.len);
                 deepest = if stack.len > deepest { stack.len } else { deepest };
                 at = if inner[usize::from(node)] {
-                    let goes_above = stack.descend(decisions[usize::from(node)], 2 * node, 2 * node + 1);
+                    let goes_above = stack.descend(decisions[usize::from(node)], &(2 * node), &(2 * node + 1));
                     Some(2 * node + u8::from(goes_above))
                 } else {
                     check!(leaves < NODES / 2, "a ninth leaf: {node} after {visited:?}");
@@ -265,7 +265,7 @@ theorems! {
             assume!(far < size && both == (far > 0));
             cover!(s, "step to one child", !both);
             cover!(s, "step to both", both);
-            let next = if stack.descend(children, below, above) { above } else { below };
+            let next = if stack.descend(children, &below, &above) { above } else { below };
             check!(is_before(&stack, next, visited, end), "{children:?} from {at:?} to {next:?}: {was:?} became {stack:?}");
         }
     }

@@ -104,7 +104,7 @@ pub fn steps(memory: &[u8], scene: &LegalScene, ray: &Ray) -> Vec<Step> {
                     let met = parts.map(|(enter, leave)| enter <= leave);
                     let visited = Children::met(met[0], met[1], || is_downwards(reciprocal));
                     let children = [below, below.offset(NODE_BYTES)];
-                    let above = stack.descend(visited, (children[0], parts[0]), (children[1], parts[1]));
+                    let above = stack.descend(visited, &(children[0], parts[0]), &(children[1], parts[1]));
                     let (put_off, interval) = (stack.len, (enter, leave));
                     steps.push(Step::Inner { addr: addr.0, axis, split, interval, visited, put_off });
                     (addr, (enter, leave)) = (children[usize::from(above)], parts[usize::from(above)]);

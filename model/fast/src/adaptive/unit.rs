@@ -5,12 +5,15 @@
 use super::triangle::{AdaptiveHit, AdaptiveRay, AdaptiveTriangle};
 use glam::Vec3;
 use saarcor_model::host::Kernel;
-use saarcor_model::rays::{Hits, Intersection, IntersectionUnit, Intervals, Packet, Query, StoredTriangle};
+use saarcor_model::rays::{
+    Candidate, Hits, Intersection, IntersectionUnit, Intervals, Packet, ProjectedTriangle, Query,
+    StoredTriangle, TriangleTest, Triple, keep_nearest,
+};
 use saarcor_model::vm::HostAddr;
 use std::cmp::Ordering;
 
-/// An intersection unit that runs the adaptive test of this crate, and the specification's own unit
-/// for the other tests.
+/// An intersection unit that runs the adaptive test of this crate, Wald's test axis by axis, and the
+/// specification's own unit for the other tests.
 #[derive(Clone, Debug)]
 pub struct FilteredIntersection<const N: usize> {
     specified: Intersection<N>,
@@ -57,12 +60,43 @@ impl<const N: usize> IntersectionUnit<N> for FilteredIntersection<N> {
         query: Query,
         hits: &mut Hits<N>,
     ) {
-        if triangle.kernel == Kernel::Adaptive {
-            let corners = triangle.record.corners();
-            self.adaptive(&AdaptiveTriangle::new(&corners), triangle.addr, packet, cell, query, hits);
-        } else {
-            self.specified.intersect(triangle, packet, cell, query, hits);
+        match triangle.kernel {
+            Kernel::Adaptive => {
+                let corners = triangle.record.corners();
+                self.adaptive(&AdaptiveTriangle::new(&corners), triangle.addr, packet, cell, query, hits);
+            }
+            Kernel::Wald => {
+                let decoded = ProjectedTriangle::decode(&triangle.record);
+                match decoded.axis {
+                    0 => keep_nearest(Along::<0>(decoded), triangle.addr, packet, cell, query, hits),
+                    1 => keep_nearest(Along::<1>(decoded), triangle.addr, packet, cell, query, hits),
+                    _ => keep_nearest(Along::<2>(decoded), triangle.addr, packet, cell, query, hits),
+                }
+            }
+            _ => self.specified.intersect(triangle, packet, cell, query, hits),
         }
+    }
+}
+
+/// Wald's test with a constant axis: so the loop over the rays reads whole rows of the packet.
+#[derive(Clone, Copy)]
+struct Along<const AXIS: usize>(ProjectedTriangle);
+
+impl<const AXIS: usize> TriangleTest<f32> for Along<AXIS> {
+    type Ray = <ProjectedTriangle as TriangleTest<f32>>::Ray;
+
+    fn new(corners: &[Vec3; 3]) -> Self {
+        Self(ProjectedTriangle::new(corners))
+    }
+
+    #[inline(always)]
+    fn ray(origin: Triple<f32>, direction: Triple<f32>) -> Self::Ray {
+        ProjectedTriangle::<f32>::ray(origin, direction)
+    }
+
+    #[inline(always)]
+    fn intersect(&self, ray: &Self::Ray) -> Candidate {
+        ProjectedTriangle { axis: AXIS, ..self.0 }.intersect(ray)
     }
 }
 

@@ -87,20 +87,23 @@ impl<const N: usize> IntersectionUnit<N> for Intersection<N> {
         let StoredTriangle { addr, kernel, record } = *triangle;
         let corners = record.corners();
         match kernel {
-            Kernel::MollerTrumbore => rounding(EdgeTriangle::new(&corners), addr, packet, cell, query, hits),
-            Kernel::Wald => rounding(ProjectedTriangle::decode(&record), addr, packet, cell, query, hits),
-            Kernel::Plucker => rounding(PluckerTriangle::new(&corners), addr, packet, cell, query, hits),
+            Kernel::MollerTrumbore => {
+                keep_nearest(EdgeTriangle::new(&corners), addr, packet, cell, query, hits)
+            }
+            Kernel::Wald => keep_nearest(ProjectedTriangle::decode(&record), addr, packet, cell, query, hits),
+            Kernel::Plucker => keep_nearest(PluckerTriangle::new(&corners), addr, packet, cell, query, hits),
             Kernel::Watertight => {
-                rounding(WatertightTriangle::new(&corners), addr, packet, cell, query, hits)
+                keep_nearest(WatertightTriangle::new(&corners), addr, packet, cell, query, hits)
             }
             Kernel::Adaptive => self.exact(&corners, addr, packet, cell, query, hits),
         }
     }
 }
 
-/// An operation with a test that rounds: keeps the nearer hit (IS-2), of two hits at the same
-/// distance the triangle at the lower address, so that the order of the tests does not matter.
-fn rounding<const N: usize>(
+/// An operation with a test that rounds, on the triangle at `addr`: keeps the nearer hit (IS-2), of two
+/// hits at the same distance the triangle at the lower address, so that the order of the tests does not
+/// matter.
+pub fn keep_nearest<const N: usize>(
     triangle: impl TriangleTest<f32>,
     addr: HostAddr,
     packet: &Packet<N>,

@@ -19,6 +19,7 @@ pub use camera::{Frame, SURFACE_OFFSET, ray_from_surface};
 pub use intersection::{
     Candidate, EdgeTriangle, ExactHit, Intersection, IntersectionUnit, Number, PluckerTriangle,
     ProjectedTriangle, ShearedRay, StoredTriangle, TriangleTest, Triple, WatertightTriangle, intersect,
+    keep_nearest,
 };
 pub use interval::{Intervals, is_downwards, max, min, reciprocal, visit, widen};
 pub use pipeline::{LEAST_PART, Pipeline, RayCounts, shadow_ray};

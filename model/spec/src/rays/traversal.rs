@@ -68,16 +68,16 @@ impl<T: Copy, const DEPTH: usize> Stack<T, DEPTH> {
     ///
     /// # Panics
     /// If more than `DEPTH` children are put off: no walk of a valid tree does (KD-2).
-    pub fn descend(&mut self, visited: Children, below: T, above: T) -> bool {
+    pub fn descend(&mut self, visited: Children, below: &T, above: &T) -> bool {
         match visited {
             Children::Below => false,
             Children::Above => true,
             Children::BelowFirst => {
-                self.put_off(above);
+                self.put_off(*above);
                 false
             }
             Children::AboveFirst => {
-                self.put_off(below);
+                self.put_off(*below);
                 true
             }
         }
@@ -109,6 +109,8 @@ type Reciprocals<const N: usize> = [[f32; N]; 3];
 #[derive(Clone, Debug)]
 pub struct Traversal<const N: usize, I = Intersection<N>> {
     stack: Stack<Visit<N>, MAX_DEPTH>,
+    /// The children below and above the plane of the node at hand.
+    children: [Visit<N>; 2],
     intersection: I,
 }
 
@@ -122,7 +124,7 @@ impl<const N: usize, I: IntersectionUnit<N>> Traversal<N, I> {
     /// A traversal unit in front of another intersection unit than that of this specification.
     pub fn with(intersection: I) -> Self {
         let unused = Visit { node: HostAddr(0), intervals: Intervals::EMPTY };
-        Self { stack: Stack::new(unused), intersection }
+        Self { stack: Stack::new(unused), children: [unused; 2], intersection }
     }
 
     /// Leads `packet` through the tree and returns what its rays hit (KD-4).
@@ -185,8 +187,8 @@ impl<const N: usize, I: IntersectionUnit<N>> Traversal<N, I> {
         let axis = axis as usize;
         let (origin, reciprocal) = (&packet.origin[axis], &reciprocal[axis]);
         let cell = &at.intervals;
-        let mut low = Visit { node: below, intervals: *cell };
-        let mut high = Visit { node: below.offset(NODE_BYTES), intervals: *cell };
+        let [low, high] = &mut self.children;
+        (low.node, high.node) = (below, below.offset(NODE_BYTES));
         for lane in 0..N {
             let t = widen((split - origin[lane]) * reciprocal[lane]);
             let [in_low, in_high] =
@@ -197,7 +199,7 @@ impl<const N: usize, I: IntersectionUnit<N>> Traversal<N, I> {
         let visited = Children::met(low.intervals.any(), high.intervals.any(), || {
             cell.first().is_some_and(|lane| is_downwards(reciprocal[lane]))
         });
-        *at = if self.stack.descend(visited, low, high) { high } else { low };
+        *at = if self.stack.descend(visited, low, high) { *high } else { *low };
     }
 }
 
