@@ -113,7 +113,7 @@ impl Sdram {
 mod tests {
     use super::*;
 
-    /// Random reads of triangles saturate near 65 % of the peak, as Table 2's Cruiser does
+    /// Random reads of triangles saturate near 60 % of the peak, as Table 2's Cruiser does
     /// without virtual memory: 1.38 to 1.39 GB/s.
     #[test]
     fn random_triangle_reads_reach_a_plateau() {

@@ -78,6 +78,7 @@ fn are_near(found: f64, right: f64) -> bool {
 /// What an intersection unit finds first of triangles at these addresses, one after the other.
 fn first_of(
     unit: &mut impl IntersectionUnit<1>,
+    kernel: Kernel,
     ray: &Ray,
     query: Query,
     triangles: [(u32, [Point; 3]); 2],
@@ -85,7 +86,7 @@ fn first_of(
     let packet = Packet::new([Some(*ray)]);
     let mut hits = Hits::none(&packet);
     for (addr, corners) in triangles {
-        let triangle = StoredTriangle::new(HostAddr(addr), Kernel::Adaptive, &corners.map(Into::into));
+        let triangle = StoredTriangle::new(HostAddr(addr), kernel, &corners.map(Into::into));
         unit.intersect(&triangle, &packet, &Intervals::EVERYWHERE, query, &mut hits);
     }
     hits
@@ -166,11 +167,36 @@ theorems! {
         cover!(s, "one hit", p.is_some() != q.is_some());
         cover!(s, "any hit", query == Query::Any && p.is_some());
         for triangles in [[first, second], [second, first]] {
-            let specified = first_of(&mut Intersection::default(), &ray, query, triangles);
-            let found = first_of(&mut FilteredIntersection::default(), &ray, query, triangles);
+            let specified = first_of(&mut Intersection::default(), Kernel::Adaptive, &ray, query, triangles);
+            let found = first_of(&mut FilteredIntersection::default(), Kernel::Adaptive, &ray, query, triangles);
             check_eq!(found.triangle, specified.triangle, "{ray:?} and {triangles:?}, {query:?}");
             let near = found.t == specified.t || are_near(found.t[0].into(), specified.t[0].into());
             check!(near, "{ray:?} and {triangles:?}, {query:?}: at {:?}, not {:?}", found.t, specified.t);
         }
+    }
+
+    /// With Wald's test, whose axis is a constant in each loop of the twin, the fast intersection unit
+    /// keeps the hits of the specified unit, bit for bit.
+    #[
+        "IS-3", not_for_kani "it is arithmetic in floating point",
+        covers ["axis x", "axis y", "axis z", "hit", "missed"]
+    ]
+    fn wald_axis_by_axis_is_the_specified_test(s) {
+        let world = s.value("world", 0..=7, &WORDS[..8]);
+        let origin = point(s, world, [&ZERO_AND_THREE, &ZERO_AND_THREE, &ZERO_AND_THREE[..1]]);
+        let a = point(s, world, [&MINUS_ONE_AND_ONE; 3]);
+        let b = point(s, world, [&MINUS_ONE_AND_ONE, &MINUS_ONE_AND_ONE, &ONE_AND_TWO[..1]]);
+        let c = point(s, world, [&ZERO_AND_TWO; 3]);
+        let ray = aimed(s, origin, [a, b, c]);
+        let triangles = [(72, [a, b, c]), (36, [c, b, a])];
+        let axis = Kernel::Wald.record(&triangles[0].1.map(Into::into)).tag;
+        let specified = first_of(&mut Intersection::default(), Kernel::Wald, &ray, Query::Closest, triangles);
+        let found = first_of(&mut FilteredIntersection::default(), Kernel::Wald, &ray, Query::Closest, triangles);
+        cover!(s, "axis x", axis == 0);
+        cover!(s, "axis y", axis == 1);
+        cover!(s, "axis z", axis == 2);
+        cover!(s, "hit", specified.is_hit(0));
+        cover!(s, "missed", !specified.is_hit(0));
+        check_eq!(found, specified, "{ray:?} and {triangles:?}");
     }
 }

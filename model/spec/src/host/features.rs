@@ -15,7 +15,7 @@ pub struct Features {
     pub mip_maps: bool,
     /// The number of lights: shadow rays a hit.
     pub lights: u32,
-    /// Some triangle has normals of its own at its corners, so that shading interpolates them.
+    /// The scene has normals at the corners of its triangles, so that shading interpolates them.
     pub smooth_normals: bool,
     /// Some triangle's material has a highlight, and there is a light to cause it.
     pub highlights: bool,
@@ -25,7 +25,8 @@ pub struct Features {
     pub refraction: bool,
 }
 
-/// Computes what of the chip the scene needs, from the materials that its triangles use.
+/// Computes what of the chip the scene needs, from its lights, its normals, and the materials that its
+/// triangles use.
 pub fn features(scene: &Scene) -> Features {
     let mut used = vec![false; scene.materials.len()];
     for triangle in &scene.triangles {

@@ -29,7 +29,7 @@ impl Triangle {
 /// The format of a [`Texture`]'s texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TexelFormat {
-    /// Four bytes a texel: red, green, blue, alpha; linear, 255 is 1.0.
+    /// Four bytes a texel: red, green, blue, alpha; display values, 255 is 1.0.
     Rgba8,
     /// One byte a texel: a height, 255 is 1.0.
     Height8,
@@ -61,9 +61,9 @@ pub struct Texture {
 /// How a surface looks: extended Phong (§2, Stated; the terms are Assumed, after MTL).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// Diffuse reflectance, linear RGB (MTL `Kd`).
+    /// Diffuse reflectance, red, green and blue (MTL `Kd`).
     pub diffuse: Vec3,
-    /// Specular reflectance, linear RGB (MTL `Ks`).
+    /// Specular reflectance, red, green and blue (MTL `Ks`).
     pub specular: Vec3,
     /// Phong exponent (MTL `Ns`).
     pub shininess: f32,

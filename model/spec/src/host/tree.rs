@@ -125,7 +125,7 @@ pub enum KdTreeError {
         /// The triangle's index.
         triangle: u32,
     },
-    /// A leaf lies deeper than [`MAX_DEPTH`].
+    /// An inner node has [`MAX_DEPTH`] inner nodes above it.
     #[error("kd-node {node}: deeper than {MAX_DEPTH}")]
     Depth {
         /// The node's index.

@@ -7,7 +7,7 @@
 use crate::vm::{HostAddr, Observer, Unit};
 use std::sync::Arc;
 
-/// One step of a packet: a unit reads, and works for some rays (CH-1). 8 bytes.
+/// One step of a packet: a unit reads, and works for some rays (CH-1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Operation {
     /// First byte that is read.
@@ -21,8 +21,7 @@ pub struct Operation {
     pub unit: Unit,
 }
 
-/// The operations of a packet, in order. Shared, since pictures may have packets in common: a sampled
-/// one takes over most of those of a rough one.
+/// The operations of a packet, in order. Shared: pictures may have packets in common.
 pub type Program = Arc<[Operation]>;
 
 /// The programs of a picture's packets.

@@ -74,7 +74,8 @@ impl Geometry {
     /// The shape with these sizes.
     ///
     /// # Errors
-    /// If a size is zero or no power of two, or the memory is smaller than one set.
+    /// If a size is zero or no power of two, the memory is larger than [`MAX_MEMORY`] or smaller than one
+    /// set, or there are more than [`MAX_WAYS`] ways.
     pub fn new(memory: Bytes, line: Bytes, ways: u32) -> Result<Self, GeometryError> {
         if !memory.0.is_power_of_two() {
             return Err(GeometryError::Memory(memory));

@@ -24,7 +24,7 @@ impl<H: HostMemory, const WAYS: usize, M: Metadata<WAYS>> VirtualMemory<H, WAYS,
     /// An empty on-board memory, of which `directory` decides, in front of `host`.
     ///
     /// # Panics
-    /// If the directory is not empty: its lines would not be on the card.
+    /// If the directory has counted an access: its lines would not be on the card.
     pub fn new(directory: Directory<WAYS, M>, host: H) -> Self {
         assert_eq!(directory.counters.accesses, 0, "an empty card needs an empty directory");
         let card = vec![0; directory.config.geometry.memory().0 as usize];
