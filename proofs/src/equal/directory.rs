@@ -11,30 +11,10 @@ use crate::draw::{self, WORDS, any_ways};
 use crate::engines::Random;
 use crate::source::{Holds, Source};
 use crate::vm::directory::directory;
+use crate::vm::version_b::Scripted;
 use crate::{assume, check, check_eq, cover, shown, theorems};
 use saarcor_fast::directory as fast;
-use saarcor_model::vm::{Directory, Hash, Metadata, Outcome, Policy, Set, SetIndex};
-
-/// Metadata that loads what it was given, and keeps what was stored.
-#[derive(Clone, Debug)]
-struct Scripted<const WAYS: usize> {
-    load: Set<WAYS>,
-    loaded: Option<SetIndex>,
-    stored: Option<(SetIndex, Set<WAYS>)>,
-}
-
-impl<const WAYS: usize> Metadata<WAYS> for Scripted<WAYS> {
-    fn load(&mut self, index: SetIndex) -> Set<WAYS> {
-        self.loaded = Some(index);
-        self.load
-    }
-
-    fn store(&mut self, index: SetIndex, set: &Set<WAYS>) {
-        self.stored = Some((index, *set));
-    }
-
-    fn clear(&mut self) {}
-}
+use saarcor_model::vm::{Directory, Hash, Outcome, Policy};
 
 /// Any hash. Kani takes none that loops over the groups of a line's bits: both sides call the same hash.
 pub fn hash(s: &mut impl Source) -> Hash {

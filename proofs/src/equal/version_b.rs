@@ -14,6 +14,7 @@
 
 use crate::draw::{self, BYTES, WORDS};
 use crate::source::{Holds, Source, Stop};
+use crate::vm::version_b::{SETS, WAYS, set};
 use crate::{assume, check, check_eq, cover, shown, theorems};
 use saarcor_fast::directory as fast;
 use saarcor_fast::version_b::MetadataDecisions;
@@ -22,8 +23,6 @@ use saarcor_model::vm::{
     MetadataObserver, OnChip, Outcome, Policy, Set, SetIndex, WriteBack,
 };
 
-const WAYS: usize = if cfg!(kani) { 1 } else { 2 };
-const SETS: usize = if cfg!(kani) { 1 } else { 2 };
 const SET_BYTES: usize = WAYS * ENTRY_BYTES;
 /// Bytes of whole granules of any size that hold the metadata of all sets.
 const MOST_BYTES: usize = SETS * SET_BYTES + 16;
@@ -69,18 +68,6 @@ impl<Contents> MetadataObserver<Contents> for Record {
 
 type Spec<const META_WAYS: usize, const GRANULE: usize> = CachedMetadata<WAYS, META_WAYS, GRANULE, Record>;
 type Twin<const META_WAYS: usize> = MetadataDecisions<WAYS, META_WAYS, Record>;
-
-/// Any legal set of metadata. Small scope: line `way` in each way.
-fn set<S: Source>(s: &mut S, policy: Policy) -> Result<Set<WAYS>, Stop> {
-    let mut set = Set::empty(policy);
-    for way in 0..WAYS {
-        set.resident[way] = draw::flag(s, "resident");
-        set.lines[way] = LineAddr(s.value("line of a way", 0..=u32::MAX, draw::words(way, 1)));
-    }
-    set.order = draw::order(s, policy);
-    assume!(set.is_valid(policy));
-    Ok(set)
-}
 
 /// Any version B in any consistent state, the twin's state that corresponds to it, and a set's number.
 ///

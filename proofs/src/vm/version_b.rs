@@ -25,8 +25,8 @@ use saarcor_model::vm::{
     Outcome, Policy, Set, SetIndex,
 };
 
-const WAYS: usize = if cfg!(kani) { 1 } else { 2 };
-const SETS: usize = if cfg!(kani) { 1 } else { 2 };
+pub(crate) const WAYS: usize = if cfg!(kani) { 1 } else { 2 };
+pub(crate) const SETS: usize = if cfg!(kani) { 1 } else { 2 };
 const META_WAYS: usize = 1;
 /// Bytes a granule, less than a set's metadata.
 const SMALL: usize = 4;
@@ -100,7 +100,7 @@ fn holds<const GRANULE: usize>(b: &B<GRANULE>, truth: &[u8; MOST_BYTES]) -> bool
 }
 
 /// Any legal set of metadata. Small scope: line `way` in each way.
-fn set<S: Source>(s: &mut S, policy: Policy) -> Result<Set<WAYS>, Stop> {
+pub(crate) fn set<S: Source>(s: &mut S, policy: Policy) -> Result<Set<WAYS>, Stop> {
     let mut set = Set::empty(policy);
     for way in 0..WAYS {
         set.resident[way] = draw::flag(s, "resident");
@@ -128,15 +128,15 @@ fn any<S: Source, const GRANULE: usize>(
 
 /// Metadata that loads what it was given, and keeps what was stored.
 #[derive(Clone, Debug)]
-struct Scripted<const WAYS: usize> {
-    load: Set<WAYS>,
-    asked: Option<SetIndex>,
-    stored: Option<(SetIndex, Set<WAYS>)>,
+pub(crate) struct Scripted<const WAYS: usize> {
+    pub(crate) load: Set<WAYS>,
+    pub(crate) loaded: Option<SetIndex>,
+    pub(crate) stored: Option<(SetIndex, Set<WAYS>)>,
 }
 
 impl<const WAYS: usize> Metadata<WAYS> for Scripted<WAYS> {
     fn load(&mut self, index: SetIndex) -> Set<WAYS> {
-        self.asked = Some(index);
+        self.loaded = Some(index);
         self.load
     }
 
@@ -154,14 +154,14 @@ theorems! {
     fn directory_answers_from_what_it_loads(s) {
         let config = directory::config::<S, 2, 2>(s)?;
         let set = draw::set_of::<S, 2>(s, config.policy)?;
-        let mut directory = Directory::over(config, Scripted { load: set, asked: None, stored: None });
+        let mut directory = Directory::over(config, Scripted { load: set, loaded: None, stored: None });
         let line = draw::line(s, &WORDS[..4]);
         let (next, expected) = set.access(line, config.policy);
         let outcome = directory.access(line);
         cover!(s, "hit", matches!(outcome, Outcome::Hit { .. }));
         cover!(s, "miss", matches!(outcome, Outcome::Miss { .. }));
         let own = config.set_of(line);
-        check_eq!((outcome, directory.metadata.asked), (expected, Some(own)), "{line:?}, {set:?}");
+        check_eq!((outcome, directory.metadata.loaded), (expected, Some(own)), "{line:?}, {set:?}");
         check_eq!(directory.metadata.stored, Some((own, next)), "{line:?}, {set:?}: set stored");
     }
 
@@ -171,7 +171,7 @@ theorems! {
     fn directory_invalidates_what_it_loads(s) {
         let config = directory::config::<S, 2, 2>(s)?;
         let set = draw::set_of::<S, 2>(s, config.policy)?;
-        let mut directory = Directory::over(config, Scripted { load: set, asked: None, stored: None });
+        let mut directory = Directory::over(config, Scripted { load: set, loaded: None, stored: None });
         let addr = draw::addr(s, &[0, 1, 2, 3, 4, 7]);
         let line = config.geometry.line_of(addr);
         let (next, way) = set.invalidate(line);
@@ -180,7 +180,7 @@ theorems! {
         cover!(s, "not there", way.is_none());
         let own = config.set_of(line);
         let expected = way.map(|_| (own, next));
-        check_eq!((directory.metadata.asked, directory.metadata.stored), (Some(own), expected), "{addr:?}, {set:?}");
+        check_eq!((directory.metadata.loaded, directory.metadata.stored), (Some(own), expected), "{addr:?}, {set:?}");
     }
 
     /// Version B loads the metadata of a set as it was stored, whichever granules it has to load, evict
