@@ -88,6 +88,8 @@ fn chips_that_cannot_be_are_refused() {
         message,
         "line of a first-level cache of 256: it must be at most the line of the virtual memory, 128"
     );
+    let message = refused(&|config| config.l1[3].line = 0);
+    assert_eq!(message, "line of a first-level cache of 0: it must be at least 1");
     assert!(refused(&|config| config.threads = 0).starts_with("number of threads a pipeline of 0"));
     assert!(refused(&|config| config.pipelines = 65).contains("1 to 64"));
     assert!(refused(&|config| config.units[1].rays_a_cycle = 0).contains("at least 1"));

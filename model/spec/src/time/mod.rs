@@ -14,7 +14,9 @@ mod report;
 mod sdram;
 pub mod standard;
 
-pub use chip::simulate;
+pub use chip::{
+    Answer, Chip, FirstLevelInTime, FunctionalUnit, LineInFlight, LinePart, State, Thread, Turn, simulate,
+};
 pub use config::{
     ChipConfig, ConfigError, L1Config, MAX_COUNT, MAX_LATENCY, MetadataCacheConfig, UNIT_NAMES, UnitConfig,
     Version,
@@ -22,4 +24,4 @@ pub use config::{
 pub use operation::{Operation, Program, Programs, Recorder};
 pub use pci::{Pci, PciConfig};
 pub use report::{CacheReport, Stall, TimingReport, UnitReport};
-pub use sdram::{Direction, Sdram, SdramConfig, Span, TransferId};
+pub use sdram::{Bank, Direction, Job, Sdram, SdramConfig, Span, TransferId};

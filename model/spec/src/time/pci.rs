@@ -50,9 +50,9 @@ impl PciConfig {
 pub struct Pci {
     config: PciConfig,
     /// Bytes of the transfers that have not begun, in order.
-    waiting: VecDeque<u64>,
+    pub waiting: VecDeque<u64>,
     /// The cycle in which the transfer on the bus has arrived.
-    arrival: Option<u64>,
+    pub arrival: Option<u64>,
 }
 
 impl Pci {

@@ -82,27 +82,39 @@ pub struct Span {
 
 /// Number of a transfer, in the order of the requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TransferId(usize);
+pub struct TransferId(pub usize);
 
 /// What the memory chips have to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Job {
-    /// To move `beats` beats of a transfer, which lie in one row.
-    Move { transfer: TransferId, bank: usize, row: u64, beats: u64, direction: Direction },
+pub enum Job {
+    /// To move beats of a transfer that lie in one row.
+    Move {
+        /// The transfer.
+        transfer: TransferId,
+        /// The number of the bank.
+        bank: usize,
+        /// The row's number in the bank.
+        row: u64,
+        /// Beats that move.
+        beats: u64,
+        /// Which way.
+        direction: Direction,
+    },
     /// To refresh all rows.
     Refresh,
 }
 
-/// A bank, with one row open at most. Times are in clocks.
-#[derive(Clone, Copy, Debug, Default)]
-struct Bank {
-    open: Option<u64>,
+/// A bank, with one row open at most (SD-2, SD-3). Times are in clocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Bank {
+    /// The row that is open.
+    pub open: Option<u64>,
     /// The clock of its last opening.
-    opened: Option<u64>,
+    pub opened: Option<u64>,
     /// The clock from which on it is closed, where no row is open.
-    closed: u64,
+    pub closed: u64,
     /// The first clock in which its row may be closed.
-    may_close: u64,
+    pub may_close: u64,
 }
 
 /// The memory chips and their bus.
@@ -112,12 +124,15 @@ pub struct Sdram {
     /// First and last clock on the bus of each transfer, as far as its commands are given.
     transfers: Vec<Option<Span>>,
     /// Jobs whose command is still to be given, in order.
-    jobs: VecDeque<Job>,
-    banks: Vec<Bank>,
-    /// Times in clocks: the next refresh is due, the last refresh is over, the bus is free.
-    refresh_due: u64,
-    refreshed: u64,
-    bus_free: u64,
+    pub jobs: VecDeque<Job>,
+    /// The banks.
+    pub banks: Vec<Bank>,
+    /// The clock in which the next refresh is due.
+    pub refresh_due: u64,
+    /// The clock from which on the last refresh is over.
+    pub refreshed: u64,
+    /// The clock from which on the bus is free.
+    pub bus_free: u64,
 }
 
 impl Sdram {
@@ -207,14 +222,13 @@ impl Sdram {
     /// In each bank, the row of its first job is opened, and before that, another one closed (SD-3). A
     /// refresh holds up all that comes after it.
     fn open_rows(&mut self, clock: u64) {
-        let mut served = Vec::new();
-        for job in &self.jobs {
-            let &Job::Move { bank: number, row, .. } = job else { return };
-            if served.contains(&number) {
-                continue;
-            }
-            served.push(number);
-            let bank = &mut self.banks[number];
+        for (number, bank) in self.banks.iter_mut().enumerate() {
+            let row_of = |job: &Job| match *job {
+                Job::Move { bank, row, .. } => Some((bank == number, row)),
+                Job::Refresh => None,
+            };
+            let first = self.jobs.iter().map_while(row_of).find(|(is_own, _)| *is_own);
+            let Some((_, row)) = first else { continue };
             if bank.open.is_some_and(|open| open != row) && clock >= bank.may_close {
                 bank.open = None;
                 bank.closed = clock + u64::from(self.config.precharge);

@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 
 /// What a look-up finds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Answer {
+pub enum Answer {
     /// The line.
     Resident,
     /// The line in flight (CH-10).
@@ -24,64 +24,73 @@ pub(super) enum Answer {
 
 /// The part of a first-level line that lies in one line of the virtual memory (CH-12).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct LinePart {
-    pub(super) cache: usize,
-    pub(super) line: LineAddr,
-    pub(super) addr: HostAddr,
-    pub(super) bytes: u64,
+pub struct LinePart {
+    /// The first-level cache, by its place in [`Unit::ALL`](crate::vm::Unit::ALL).
+    pub cache: usize,
+    /// The first-level line.
+    pub line: LineAddr,
+    /// Address of the first byte.
+    pub addr: HostAddr,
+    /// Bytes of the part.
+    pub bytes: u64,
 }
 
-/// A first-level line in flight.
+/// A first-level line in flight (CH-10).
 #[derive(Clone, Debug)]
-pub(super) struct LineInFlight {
-    line: LineAddr,
+pub struct LineInFlight {
+    /// The line.
+    pub line: LineAddr,
     /// Threads that wait for it.
-    pub(super) threads: Vec<usize>,
+    pub threads: Vec<usize>,
     /// Parts that are not read from the on-board memory yet.
-    pub(super) unread: usize,
+    pub unread: usize,
     /// The reads of the others.
-    pub(super) reads: Vec<TransferId>,
+    pub reads: Vec<TransferId>,
 }
 
-/// A first-level cache, and what it is asked for.
+/// A first-level cache of the chip in time, and what it is asked for (CH-8 to CH-11).
 #[derive(Clone, Debug)]
-pub(super) struct FirstLevelInTime {
-    pub(super) cache: FirstLevel<CHIP_CACHE_WAYS, ()>,
-    registers: usize,
-    pub(super) in_flight: Vec<LineInFlight>,
+pub struct FirstLevelInTime {
+    /// Its sets.
+    pub cache: FirstLevel<CHIP_CACHE_WAYS, ()>,
+    /// Lines that can be in flight at a time: each takes a register.
+    pub registers: usize,
+    /// Lines in flight, in the order of their misses.
+    pub in_flight: Vec<LineInFlight>,
     /// Parts that the bus manager has not taken yet, in the order of the misses.
-    pub(super) parts: VecDeque<LinePart>,
-    /// Threads that wait for a register.
-    pub(super) queue: VecDeque<usize>,
+    pub parts: VecDeque<LinePart>,
+    /// Threads that wait for a register, the one that asks again next first.
+    pub queue: VecDeque<usize>,
     /// Pipelines, and the threads of each, are served in turn.
     pipelines: Turn,
     threads: Vec<Turn>,
-    pub(super) report: CacheReport,
+    /// What it did so far.
+    pub report: CacheReport,
 }
 
 impl FirstLevelInTime {
     /// An empty cache, whose first line begins at `base`.
-    pub(super) fn new(base: HostAddr, config: L1Config, pipelines: usize) -> Self {
+    pub fn new(base: HostAddr, config: L1Config, pipelines: usize) -> Self {
         Self {
             cache: FirstLevel::<_, ()>::new(base, config.line, config.sets as usize, Policy::Lru),
             registers: config.mshrs as usize,
             in_flight: Vec::new(),
             parts: VecDeque::new(),
             queue: VecDeque::new(),
-            pipelines: Turn::new(),
-            threads: vec![Turn::new(); pipelines],
+            pipelines: Turn::default(),
+            threads: vec![Turn::default(); pipelines],
             report: CacheReport::default(),
         }
     }
 
     /// The lines that an operation reads, in order.
-    pub(super) fn lines_of(&self, operation: &Operation) -> impl Iterator<Item = LineAddr> + use<> {
+    pub fn lines_of(&self, operation: &Operation) -> impl Iterator<Item = LineAddr> + use<> {
         let begin = operation.addr.max(self.cache.base);
         self.cache.lines_of(begin, operation.bytes.into()).map(|line| LineAddr(line as u32))
     }
 
     /// Of the threads that ask, the one whose turn it is (CH-8).
-    pub(super) fn in_turn(&mut self, asking: &[usize], threads: usize) -> usize {
+    pub fn in_turn(&mut self, asking: &[usize], threads: usize) -> usize {
         let pipelines: Vec<usize> = asking.iter().map(|thread| thread / threads).collect();
         let pipeline = self.pipelines.next(&pipelines);
         let own: Vec<usize> = asking.iter().copied().filter(|thread| thread / threads == pipeline).collect();
@@ -89,13 +98,13 @@ impl FirstLevelInTime {
     }
 
     /// Whether every register is taken by a line in flight.
-    pub(super) fn is_full(&self) -> bool {
+    pub fn is_full(&self) -> bool {
         self.in_flight.len() == self.registers
     }
 
     /// The look-up of `line` by `thread`: a step of the line's set (CH-9), but where no register is
     /// free for a line that would need one (CH-11).
-    pub(super) fn look_up(&mut self, line: LineAddr, thread: usize) -> Answer {
+    pub fn look_up(&mut self, line: LineAddr, thread: usize) -> Answer {
         let is_full = self.is_full();
         let is_resident = self.cache.is_resident(line);
         let in_flight = self.in_flight.iter_mut().find(|other| other.line == line);
@@ -120,14 +129,14 @@ impl FirstLevelInTime {
     }
 
     /// A missed line takes a register, and its parts are asked for.
-    pub(super) fn fetch(&mut self, line: LineAddr, thread: usize, parts: Vec<LinePart>) {
+    pub fn fetch(&mut self, line: LineAddr, thread: usize, parts: Vec<LinePart>) {
         let (threads, unread) = (vec![thread], parts.len());
         self.in_flight.push(LineInFlight { line, threads, unread, reads: Vec::new() });
         self.parts.extend(parts);
     }
 
     /// A part of a line in flight is read from the on-board memory.
-    pub(super) fn part_is_read(&mut self, line: LineAddr, read: TransferId) {
+    pub fn part_is_read(&mut self, line: LineAddr, read: TransferId) {
         for in_flight in self.in_flight.iter_mut().filter(|other| other.line == line) {
             in_flight.unread -= 1;
             in_flight.reads.push(read);

@@ -17,11 +17,11 @@ use super::report::TimingReport;
 use super::sdram::Sdram;
 use crate::vm::{Outcome, Unit};
 use bus_manager::{HostLine, PendingTag, WaitingPart};
-use first_level::{Answer, FirstLevelInTime};
+pub use first_level::{Answer, FirstLevelInTime, LineInFlight, LinePart};
 use std::collections::VecDeque;
 use tags::{Tags, tags};
-use thread::{State, Thread};
-use turn::Turn;
+pub use thread::{State, Thread};
+pub use turn::Turn;
 
 /// Plays `programs` on the chip. Its caches hold what the pictures `before` left in them (CH-19);
 /// without any, they are empty.
@@ -33,37 +33,38 @@ pub fn simulate(
     programs: &Programs,
     config: &ChipConfig,
 ) -> Result<TimingReport, ConfigError> {
-    config.check()?;
-    let mut chip = Chip::new(programs, config);
-    for operation in before.iter().flat_map(Programs::in_order) {
-        chip.warm(operation);
-    }
-    while !chip.cycle() {}
+    let mut chip = Chip::new(before, programs, config)?;
+    while !chip.cycle(|_, _| ()) {}
     Ok(chip.report())
 }
 
-/// A functional unit of a pipeline.
-struct FunctionalUnit {
+/// A functional unit of a pipeline (CH-6).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FunctionalUnit {
     /// The threads of its pipeline, in turn.
-    turn: Turn,
+    pub turn: Turn,
     /// First cycle in which it can take rays.
-    free: u64,
+    pub free: u64,
 }
 
-/// A chip at work on a picture.
+/// A chip at work on a picture, which [`simulate`] runs to its end.
 ///
 /// Threads and units have one number each: thread `t` of pipeline `p` is `p × threads + t`, and the unit
 /// of type `u` in pipeline `p` is `4 p + u`. First-level caches have the numbers of their units' types.
-struct Chip<'a> {
+pub struct Chip<'a> {
     config: &'a ChipConfig,
-    now: u64,
+    /// The cycle at hand.
+    pub now: u64,
     /// Packets that are not handed out yet.
-    packets: VecDeque<&'a [Operation]>,
+    pub packets: VecDeque<&'a [Operation]>,
     /// Pipelines that get a packet, in turn.
     pipelines: Turn,
-    threads: Vec<Thread<'a>>,
-    units: Vec<FunctionalUnit>,
-    first_level: [FirstLevelInTime; 4],
+    /// The threads.
+    pub threads: Vec<Thread<'a>>,
+    /// The units of all pipelines.
+    pub units: Vec<FunctionalUnit>,
+    /// The first-level caches.
+    pub first_level: [FirstLevelInTime; 4],
     /// First-level caches from which the bus manager takes a part, in turn.
     caches: Turn,
     tags: Box<dyn Tags>,
@@ -73,27 +74,37 @@ struct Chip<'a> {
     from_host: VecDeque<HostLine>,
     /// Parts of lines that come from the host, in the order of their tags.
     waiting: Vec<WaitingPart>,
-    pci: Pci,
-    sdram: Sdram,
-    report: TimingReport,
+    /// The bus to the host.
+    pub pci: Pci,
+    /// The on-board memory.
+    pub sdram: Sdram,
+    /// What was counted so far, but for the cycles and the first-level caches.
+    pub report: TimingReport,
 }
 
 impl<'a> Chip<'a> {
-    /// The chip before the first cycle, with empty caches.
-    fn new(programs: &'a Programs, config: &'a ChipConfig) -> Self {
+    /// The chip before the first cycle, its caches as in [`simulate`].
+    ///
+    /// # Errors
+    /// If the configuration makes no chip.
+    pub fn new(
+        before: &[Programs],
+        programs: &'a Programs,
+        config: &'a ChipConfig,
+    ) -> Result<Self, ConfigError> {
+        config.check()?;
         let (pipelines, threads) = (config.pipelines as usize, config.threads as usize);
-        let unit = || FunctionalUnit { turn: Turn::new(), free: 0 };
-        Self {
+        let mut chip = Self {
             config,
             now: 0,
             packets: programs.packets.iter().map(|packet| &**packet).collect(),
-            pipelines: Turn::new(),
+            pipelines: Turn::default(),
             threads: vec![Thread::FREE; pipelines * threads],
-            units: std::iter::repeat_with(unit).take(4 * pipelines).collect(),
+            units: vec![FunctionalUnit::default(); 4 * pipelines],
             first_level: Unit::ALL.map(|unit| {
                 FirstLevelInTime::new(programs.first_level_base(unit), config.l1[unit as usize], pipelines)
             }),
-            caches: Turn::new(),
+            caches: Turn::default(),
             tags: tags(config),
             pending: VecDeque::new(),
             from_host: VecDeque::new(),
@@ -101,7 +112,11 @@ impl<'a> Chip<'a> {
             pci: Pci::new(config.pci),
             sdram: Sdram::new(config.sdram),
             report: TimingReport::default(),
+        };
+        for operation in before.iter().flat_map(Programs::in_order) {
+            chip.warm(operation);
         }
+        Ok(chip)
     }
 
     /// What an operation of an earlier picture leaves in the caches (CH-19).
@@ -116,27 +131,38 @@ impl<'a> Chip<'a> {
         }
     }
 
-    /// One cycle (CH-5). Whether all packets ended in it or before (CH-20).
-    fn cycle(&mut self) -> bool {
+    /// The phases of a cycle (CH-5).
+    const PHASES: [fn(&mut Self); 8] = [
+        Self::phase_1_units_and_caches_answer,
+        Self::phase_2_lines_arrive_from_memory,
+        Self::phase_3_a_line_arrives_from_the_host,
+        Self::phase_4_tags_are_acted_upon,
+        Self::phase_5_a_packet_is_handed_out,
+        Self::phase_6_units_start,
+        Self::phase_7_first_level_look_ups,
+        Self::phase_8_the_bus_manager_takes_a_part,
+    ];
+
+    /// One cycle (CH-5); whether all packets ended in it or before (CH-20). After each of its phases `seen`
+    /// gets the number of the phase and the chip.
+    pub fn cycle(&mut self, mut seen: impl FnMut(u32, &Self)) -> bool {
         self.sdram.begin_cycle(self.now);
-        self.phase_1_units_and_caches_answer();
-        self.phase_2_lines_arrive_from_memory();
-        self.phase_3_a_line_arrives_from_the_host();
-        self.phase_4_tags_are_acted_upon();
-        self.phase_5_a_packet_is_handed_out();
-        if self.packets.is_empty() && self.threads.iter().all(|thread| thread.state == State::Free) {
-            return true;
+        for (number, phase) in (1..).zip(Self::PHASES) {
+            phase(self);
+            seen(number, self);
+            let all_free = || self.threads.iter().all(|thread| thread.state == State::Free);
+            if number == 5 && self.packets.is_empty() && all_free() {
+                return true;
+            }
         }
-        self.phase_6_units_start();
-        self.phase_7_first_level_look_ups();
-        self.phase_8_the_bus_manager_takes_a_part();
         self.account();
         self.sdram.end_cycle(self.now);
         self.now += 1;
         false
     }
 
-    fn report(mut self) -> TimingReport {
+    /// What a run of all cycles before [`now`](Self::now) took.
+    pub fn report(mut self) -> TimingReport {
         self.report.cycles = self.now;
         self.report.l1 = self.first_level.map(|first_level| first_level.report);
         self.report
