@@ -37,7 +37,7 @@ impl<const WAYS: usize, const META_WAYS: usize, O: MetadataObserver<()>>
     /// granules of `granule_bytes`, watched by `observer`.
     ///
     /// # Panics
-    /// If `sets` is not a power of two, or a granule has no bytes.
+    /// If `sets` is not a power of two, a granule has no bytes, or there are more than 2³² granules.
     #[must_use]
     pub fn new(
         config: &CacheConfig,
@@ -48,6 +48,8 @@ impl<const WAYS: usize, const META_WAYS: usize, O: MetadataObserver<()>>
     ) -> Self {
         assert!(sets.is_power_of_two(), "{sets} sets of metadata: it must be a power of two");
         assert!(granule_bytes > 0, "a granule has at least one byte");
+        let count = (config.geometry.sets() as usize * Self::SET_BYTES).div_ceil(granule_bytes);
+        assert!(count <= 1 << 32, "granules of {granule_bytes} bytes: their numbers have 32 bits");
         Self {
             sets: OnChip::new(config.geometry.sets(), config.policy),
             granules,

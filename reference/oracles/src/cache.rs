@@ -109,7 +109,7 @@ impl NaiveCache {
         let (first, line_bytes) = (u64::from(addr.0), self.line_bytes);
         let touched = |line: LineAddr| {
             let begin = u64::from(line.0) * line_bytes;
-            len > 0 && begin < first + len && first < begin + line_bytes
+            len > 0 && begin < first.saturating_add(len) && first < begin + line_bytes
         };
         for set in self.contents.values_mut() {
             for way in 0..self.ways {

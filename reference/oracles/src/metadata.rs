@@ -130,8 +130,10 @@ impl NaiveTags {
     /// Forgets every line that `len` bytes at `addr` touch, one after the other, and says what moved.
     pub fn invalidate(&mut self, addr: HostAddr, len: u64, moved: &mut Vec<GranuleEvent>) {
         let line_bytes = self.config.geometry.line().0;
-        let (first, last) = (u64::from(addr.0) / line_bytes, (u64::from(addr.0) + len - 1) / line_bytes);
-        for line in first..=last {
+        // No address is beyond the 32 bits.
+        let end = u64::from(addr.0).saturating_add(len).min(1 << 32);
+        let (first, behind_last) = (u64::from(addr.0) / line_bytes, end.div_ceil(line_bytes));
+        for line in first..if len > 0 { behind_last } else { first } {
             let line = LineAddr(line as u32);
             let set = self.sets.set_of(line) as usize;
             let mut entries = self.load(set, moved);

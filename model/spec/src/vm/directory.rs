@@ -124,8 +124,8 @@ impl<const WAYS: usize, M: Metadata<WAYS>> Directory<WAYS, M> {
             }
         } else {
             // The range has more lines than the cache: go through the lines of the cache instead.
-            for set in 0..self.config.geometry.sets() as u32 {
-                for line in self.metadata.load(SetIndex(set)).lines {
+            for set in self.config.geometry.set_numbers() {
+                for line in self.metadata.load(SetIndex(set as u32)).lines {
                     if lines.contains(&u64::from(line.0)) {
                         self.invalidate_line(line);
                     }
@@ -146,5 +146,33 @@ impl<const WAYS: usize, M: Metadata<WAYS>> Directory<WAYS, M> {
     /// Forgets all lines; the counters keep their values.
     pub fn flush(&mut self) {
         self.metadata.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vm::Bytes;
+
+    /// Metadata of any number of sets, which has no memory for it: it ends the test at the first set that is
+    /// asked for.
+    struct NoMemory;
+
+    impl Metadata<1> for NoMemory {
+        fn load(&mut self, index: SetIndex) -> Set<1> {
+            panic!("{index:?} is looked at")
+        }
+
+        fn store(&mut self, _: SetIndex, _: &Set<1>) {}
+
+        fn clear(&mut self) {}
+    }
+
+    #[test]
+    #[should_panic(expected = "SetIndex(0) is looked at")]
+    fn all_addresses_are_invalidated_among_the_most_sets_that_there_can_be() {
+        let geometry = Geometry::new(Bytes(1 << 32), Bytes(1), 1).expect("legal");
+        let config = CacheConfig { geometry, hash: Hash::Low, policy: Policy::Lru };
+        Directory::over(config, NoMemory).invalidate(HostAddr(0), u64::MAX);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::entry::ENTRY_BYTES;
 use super::units::{Bytes, CardAddr, HostAddr, LineAddr, SetIndex, Way};
+use std::ops::Range;
 
 /// Most ways a set can have (Assumed: twice what caches of the time had).
 pub const MAX_WAYS: u32 = 16;
@@ -123,6 +124,12 @@ impl Geometry {
         1 << self.set_bits()
     }
 
+    /// All sets, in order, as the numbers of [`SetIndex`]. There may be 2³² of them, and that many does not fit
+    /// into 32 bits.
+    pub fn set_numbers(self) -> Range<u64> {
+        0..self.sets()
+    }
+
     /// Binary logarithm of the number of sets.
     pub fn set_bits(self) -> u32 {
         self.memory_bits - self.line_bits - self.way_bits
@@ -142,6 +149,13 @@ impl Geometry {
     /// The offset of the byte at `addr` within its line.
     pub fn offset_of(self, addr: HostAddr) -> u32 {
         addr.0 & self.offset_mask()
+    }
+
+    /// How many of `len` bytes from `addr` on lie in the line of `addr`, and where the next line begins; none where
+    /// the address space ends.
+    pub fn split_at_line_end(self, addr: HostAddr, len: u64) -> (u64, Option<HostAddr>) {
+        let room = self.line().0 - u64::from(self.offset_of(addr));
+        (room.min(len), u32::try_from(u64::from(addr.0) + room).ok().map(HostAddr))
     }
 
     /// Address of the first byte of `line`.

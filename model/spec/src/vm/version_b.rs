@@ -77,7 +77,7 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize>
     /// The metadata of an empty cache of lines, behind an empty metadata cache of `sets` sets.
     ///
     /// # Panics
-    /// If `sets` is not a power of two.
+    /// If `sets` is not a power of two, or there are more than 2³² granules.
     pub fn new(config: &CacheConfig, sets: usize, granules: Policy) -> Self {
         Self::observed(config, sets, granules, MetadataTraffic::default())
     }
@@ -94,10 +94,14 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, O: Metadat
     /// The same, watched by `observer`.
     ///
     /// # Panics
-    /// If `sets` is not a power of two.
+    /// If `sets` is not a power of two, or there are more than 2³² granules.
     pub fn observed(config: &CacheConfig, sets: usize, granules: Policy, observer: O) -> Self {
         assert!(sets.is_power_of_two(), "{sets} sets of metadata: it must be a power of two");
         let bytes = config.geometry.sets() as usize * Self::SET_BYTES;
+        assert!(
+            bytes.div_ceil(GRANULE) <= 1 << 32,
+            "granules of {GRANULE} bytes: their numbers have 32 bits"
+        );
         let mut new = Self {
             lines: config.policy,
             granules,
@@ -110,21 +114,22 @@ impl<const WAYS: usize, const META_WAYS: usize, const GRANULE: usize, O: Metadat
     }
 
     /// The granule that holds byte `i` of the metadata of the set `index`, and the byte's offset in it.
-    fn location_of(index: SetIndex, i: usize) -> (LineAddr, usize) {
+    pub fn location_of(index: SetIndex, i: usize) -> (LineAddr, usize) {
         let byte = index.0 as usize * Self::SET_BYTES + i;
         (LineAddr((byte / GRANULE) as u32), byte % GRANULE)
     }
 
     /// Granule number `k` of those that hold metadata of the set `index`; none behind the last.
-    fn granule_of(index: SetIndex, k: usize) -> Option<LineAddr> {
+    pub fn granule_of(index: SetIndex, k: usize) -> Option<LineAddr> {
         let (first, _) = Self::location_of(index, 0);
         let (last, _) = Self::location_of(index, Self::SET_BYTES - 1);
-        let granule = LineAddr(first.0 + k as u32);
-        (granule <= last).then_some(granule)
+        // In 64 bits: the first may have the highest number that there is.
+        let granule = u64::from(first.0) + k as u64;
+        (granule <= last.0.into()).then_some(LineAddr(granule as u32))
     }
 
     /// Where a granule lies in the on-board memory.
-    fn on_card(granule: LineAddr) -> Range<usize> {
+    pub fn on_card(granule: LineAddr) -> Range<usize> {
         let begin = granule.0 as usize * GRANULE;
         begin..begin + GRANULE
     }

@@ -65,17 +65,16 @@ impl<H: HostMemory, const WAYS: usize, M: Metadata<WAYS>> Memory for VirtualMemo
         let geometry = self.directory.config.geometry;
         let (mut addr, mut rest) = (addr, bytes);
         while !rest.is_empty() {
-            let room = geometry.line().0 - u64::from(geometry.offset_of(addr));
-            let here = room.min(rest.len() as u64) as usize;
-            let (now, later) = rest.split_at_mut(here);
+            let (here, next) = geometry.split_at_line_end(addr, rest.len() as u64);
+            let (now, later) = rest.split_at_mut(here as usize);
             self.read_in_line(addr, now);
             rest = later;
-            let Some(next) = addr.0.checked_add(here as u32) else {
+            let Some(next) = next else {
                 // The address space ends: no memory has bytes beyond it.
                 rest.fill(0);
                 return;
             };
-            addr = HostAddr(next);
+            addr = next;
         }
     }
 }
