@@ -8,13 +8,19 @@ def in_turn(wanting, last):
     return min((number for number in wanting if number > last), default=min(wanting))
 
 
+class Load:
+    """A line from the host: where on the card it will lie, and the parts that wait for it."""
+
+    def __init__(self, line, card):
+        self.line, self.card, self.there, self.arrived, self.waiting = line, card, None, False, []
+
+
 class BusManager:
     def __init__(self, config):
         self.config, self.now = config, 0
         self.memory, self.tags, self.last_cache = MemoryChips(config), Tags(config), -1
-        self.asked, self.known = [], 0  # (cycle in which the tag is known, part, line, card, whether it loads)
-        self.loading, self.bus_free = {}, 0  # for each line from the host: [card, cycle in which it is there]
-        self.waiting = []  # parts that wait for one: (line, part, card)
+        self.asked, self.known = [], 0  # (cycle in which the tag is known, part, card, whether missed, its load)
+        self.loads, self.bus_free = [], 0  # the loads in flight, in order
         self.moved = {"pci": 0, "fill": 0, "load": 0, "read": 0, "back": 0}
         self.look_ups = self.merged = self.misses = 0
 
@@ -28,25 +34,24 @@ class BusManager:
             address = border
 
     def line_from_host(self):
-        for line, (card, there) in list(self.loading.items()):
-            if there == self.now:
-                del self.loading[line]
-                self.move("load", card, self.config["line"], True)
-                for _, part, place in [entry for entry in self.waiting if entry[0] == line]:
-                    self.read(part, place)
-                self.waiting = [entry for entry in self.waiting if entry[0] != line]
+        while self.loads and self.loads[0].there == self.now:
+            load = self.loads.pop(0)
+            load.arrived = True
+            self.move("load", load.card, self.config["line"], True)
+            for part, card in load.waiting:
+                self.read(part, card)
 
     def act_upon_tags(self):
         while self.asked and self.asked[0][0] <= self.now:
-            _, part, line, card, loads = self.asked.pop(0)
-            if loads:
+            _, part, card, missed, load = self.asked.pop(0)
+            if missed:
                 beats = -(-self.config["line"] // self.config["pci-beat"])
                 begin = max(self.now, self.bus_free)
                 self.bus_free = begin + self.config["pci-setup"] + beats * self.config["pci-clock"]
-                self.loading[line][1] = self.bus_free
+                load.there = self.bus_free
                 self.moved["pci"] += self.config["line"]
-            if line in self.loading:
-                self.waiting.append((line, part, card))
+            if load and not load.arrived:
+                load.waiting.append((part, card))
             else:
                 self.read(part, card)
 
@@ -67,12 +72,14 @@ class BusManager:
             ready += self.config["tag"]
         self.known = max(self.known, ready, self.now + 1)
         line, offset = divmod(part[1], self.config["line"])
-        on_its_way = line in self.loading
-        loads = missed and not on_its_way
-        if loads:
-            self.loading[line] = [card - offset, None]
-        self.look_ups, self.merged, self.misses = self.look_ups + 1, self.merged + on_its_way, self.misses + loads
-        self.asked.append((self.known, part, line, card, loads))
+        if missed:
+            load = Load(line, card - offset)
+            self.loads.append(load)
+        else:  # The latest load of the line brings it to where it is resident.
+            load = next((load for load in reversed(self.loads) if load.line == line), None)
+        merged = load is not None and not missed
+        self.look_ups, self.merged, self.misses = self.look_ups + 1, self.merged + merged, self.misses + missed
+        self.asked.append((self.known, part, card, missed, load))
 
     def move(self, purpose, card, size, write=False):
         end, moved = self.memory.request(self.now, card, size, write)

@@ -268,6 +268,8 @@ pub const CHIP: &[(&str, &str)] = suites![
     "chip/line-stays-on-the-card",
     "chip/line-is-loaded-once",
     "chip/evicted-while-it-is-loaded",
+    "chip/hit-before-a-later-load",
+    "chip/waits-for-the-latest-load",
     "chip/set-of-a-line",
     "chip/victim",
     "chip/lines-lie-in-their-ways",

@@ -21,8 +21,8 @@ use crate::sdram::Sdram;
 use first_level::{FirstLevelState, LineInFlight, LinePart};
 use observer::bytes_of;
 use saarcor_model::time::{
-    ChipConfig, ConfigError, Direction, MAX_COUNT, Operation, Program, Programs, Span, Stall, TimingReport,
-    Version,
+    ChipConfig, ConfigError, Direction, Load, LoadId, MAX_COUNT, Operation, Program, Programs, Span, Stall,
+    TimingReport, Version,
 };
 use saarcor_model::vm::{HostAddr, LineAddr, Outcome, Unit};
 use std::collections::VecDeque;
@@ -54,7 +54,7 @@ pub fn simulate_observed(
     config: &ChipConfig,
     observer: &mut impl ChipObserver,
 ) -> Result<TimingReport, ConfigError> {
-    let caches = Caches::after(before, programs.triangles, config)?;
+    let caches = Caches::after_observed(before, programs.triangles, config, observer)?;
     Ok(simulate_part(caches, programs, &vec![true; programs.packets.len()], observer))
 }
 
@@ -127,16 +127,15 @@ struct Thread<'a> {
 struct PendingTag {
     ready: u64,
     part: LinePart,
-    line: LineAddr,
     card: u64,
-    /// Whether this one has its line loaded.
-    loads: bool,
+    /// Whether its line was missed, and the load that brings it, if that was in flight.
+    missed: bool,
+    load: Option<LoadId>,
 }
 
-/// A line of the virtual memory in flight, there in cycle `there`.
-struct HostLine {
-    line: LineAddr,
-    card: u64,
+/// A load in flight, there in cycle `there`.
+struct LoadInFlight {
+    load: Load,
     there: u64,
     /// The packet that missed it.
     packet: u32,
@@ -200,9 +199,11 @@ struct Chip<'a, O> {
     tagged: VecDeque<PendingTag>,
     /// The latest cycle in `tagged` so far.
     tags_known: u64,
-    loading: VecDeque<HostLine>,
-    /// Parts that wait for a line in flight.
-    waiting: Vec<(LineAddr, LinePart, u64)>,
+    /// Loads in flight, in the order in which they arrive, and how many have arrived.
+    loading: VecDeque<LoadInFlight>,
+    arrived: u64,
+    /// Parts that wait for a load, and where they will lie on the card.
+    waiting: Vec<(LoadId, LinePart, u64)>,
     sdram: Sdram,
     pci: Pci,
     /// No line arrives and no tag is known before this cycle.
@@ -252,6 +253,7 @@ impl<'a, O: ChipObserver> Chip<'a, O> {
             tagged: VecDeque::new(),
             tags_known: 0,
             loading: VecDeque::new(),
+            arrived: 0,
             waiting: Vec::new(),
             sdram: Sdram::new(config.sdram),
             pci: Pci::new(config.pci),
@@ -365,13 +367,16 @@ impl<'a, O: ChipObserver> Chip<'a, O> {
     /// that wait for it, in their order (CH-15).
     fn line_from_host(&mut self) {
         while self.loading.front().is_some_and(|loading| loading.there <= self.now)
-            && let Some(HostLine { line, card, packet, .. }) = self.loading.pop_front()
+            && let Some(LoadInFlight { load, packet, .. }) = self.loading.pop_front()
         {
             let bytes = self.config.cache.geometry.line().0;
-            self.transfer(packet, Traffic::VmFill, card, bytes);
+            self.transfer(packet, Traffic::VmFill, load.card, bytes);
+            self.observer.line_is_written(self.now, load);
+            let arrived = LoadId(self.arrived);
+            self.arrived += 1;
             let mut place = 0;
             while place < self.waiting.len() {
-                if self.waiting[place].0 != line {
+                if self.waiting[place].0 != arrived {
                     place += 1;
                     continue;
                 }
@@ -389,21 +394,21 @@ impl<'a, O: ChipObserver> Chip<'a, O> {
     /// Phase 4: tags are known, in the order of the look-ups (CH-13, CH-14).
     fn tags_found(&mut self) {
         while self.tagged.front().is_some_and(|tagged| tagged.ready <= self.now)
-            && let Some(PendingTag { part, line, card, loads, .. }) = self.tagged.pop_front()
+            && let Some(PendingTag { part, card, missed, load, .. }) = self.tagged.pop_front()
         {
-            let bytes = self.config.cache.geometry.line().0;
-            let Some(loading) = self.loading.iter_mut().find(|loading| loading.line == line) else {
+            let Some(load) = load.filter(|load| load.0 >= self.arrived) else {
                 self.read_part(part, card);
                 continue;
             };
-            if loads {
+            if missed {
+                let bytes = self.config.cache.geometry.line().0;
                 let span = self.pci.load(self.now, bytes);
-                loading.there = span.end;
+                self.loading[(load.0 - self.arrived) as usize].there = span.end;
                 *bytes_of(&mut self.report, Traffic::Pci) += bytes;
                 self.report.pci_busy += span.end - span.begin;
                 self.observer.transfer(part.packet, Traffic::Pci, span, bytes);
             }
-            self.waiting.push((line, part, card));
+            self.waiting.push((load, part, card));
             let way = self.in_flight(part);
             way.from_host += 1;
             if way.from_host == 1 {
@@ -572,24 +577,27 @@ impl<'a, O: ChipObserver> Chip<'a, O> {
             ready += u64::from(self.config.tag_latency);
         }
         self.tags_known = self.tags_known.max(ready);
-        let in_flight = self.loading.iter().any(|loading| loading.line == line);
-        let loads = missed && !in_flight;
-        self.report.l2.accesses += 1;
-        self.report.l2.misses += u64::from(loads);
-        self.report.l2.merged += u64::from(in_flight);
-        let found = match (loads, in_flight) {
-            (true, _) => Found::Missing,
-            (_, true) => Found::InFlight,
-            _ => Found::Resident,
-        };
-        self.observer.look_up(part.packet, Cache::L2, found);
-        if loads {
+        let latest = if missed {
             let begin = card - u64::from(self.config.cache.geometry.offset_of(HostAddr(part.addr)));
-            self.loading.push_back(HostLine { line, card: begin, there: u64::MAX, packet: part.packet });
-        }
+            let load = Load { line, card: begin };
+            self.loading.push_back(LoadInFlight { load, there: u64::MAX, packet: part.packet });
+            Some(self.loading.len() - 1)
+        } else {
+            self.loading.iter().rposition(|loading| loading.load.line == line)
+        };
+        let load = latest.map(|place| LoadId(self.arrived + place as u64));
+        let found = match (missed, load) {
+            (true, _) => Found::Missing,
+            (false, Some(_)) => Found::InFlight,
+            (false, None) => Found::Resident,
+        };
+        self.report.l2.accesses += 1;
+        self.report.l2.misses += u64::from(found == Found::Missing);
+        self.report.l2.merged += u64::from(found == Found::InFlight);
+        self.observer.look_up(part.packet, Cache::L2, found);
         // It is acted upon in a later cycle, however short the latency.
         let ready = self.tags_known.max(self.now + 1);
-        self.tagged.push_back(PendingTag { ready, part, line, card, loads });
+        self.tagged.push_back(PendingTag { ready, part, card, missed, load });
         self.arrival = self.arrival.min(ready);
     }
 
@@ -609,6 +617,7 @@ impl<'a, O: ChipObserver> Chip<'a, O> {
 
     /// Reads a part of a first-level line; with the last one, the line returns (CH-16).
     fn read_part(&mut self, part: LinePart, card: u64) {
+        self.observer.part_is_read(self.now, HostAddr(part.addr), part.bytes.into(), card);
         let span = self.transfer(part.packet, Traffic::L1Fill, card, part.bytes.into());
         let way = self.in_flight(part);
         way.parts -= 1;

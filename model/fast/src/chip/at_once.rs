@@ -4,7 +4,7 @@ use super::tags::{Tags, WhereOnCard};
 use super::{Cache, Chip, ChipObserver, Found, Traffic};
 use crate::first_level;
 use saarcor_model::time::standard::CHIP_CACHE_WAYS;
-use saarcor_model::time::{ChipConfig, ConfigError, Direction, Operation, Programs, Span};
+use saarcor_model::time::{ChipConfig, ConfigError, Direction, Load, Operation, Programs, Span};
 use saarcor_model::vm::{FirstLevel, HostAddr, LineAddr, Outcome};
 
 /// The first-level caches and the virtual memory of a chip on which nothing is in work.
@@ -25,10 +25,22 @@ impl Caches {
         triangles: HostAddr,
         config: &ChipConfig,
     ) -> Result<Self, ConfigError> {
+        Self::after_observed(before, triangles, config, &mut ())
+    }
+
+    /// [`Caches::after`]; `observer` sees what the pictures write to the card.
+    ///
+    /// # Errors
+    /// If the configuration makes no chip.
+    pub fn after_observed<'a>(
+        before: impl IntoIterator<Item = &'a Programs>,
+        triangles: HostAddr,
+        config: &ChipConfig,
+        observer: &mut impl ChipObserver,
+    ) -> Result<Self, ConfigError> {
         config.check()?;
         let nothing = Programs { packets: Vec::new(), triangles };
-        let (mut nobody, in_time) = ((), []);
-        let mut chip = Chip::new(&nothing, &in_time, config, &mut nobody);
+        let mut chip = Chip::new(&nothing, &[], config, observer);
         for operation in before.into_iter().flat_map(Programs::in_order) {
             chip.read_at_once(operation, None);
         }
@@ -63,6 +75,12 @@ impl<O: ChipObserver> Chip<'_, O> {
     fn locate_at_once(&mut self, addr: u32, bytes: u32, packet: Option<u32>) {
         let mut moves = std::mem::take(&mut self.moves);
         let WhereOnCard { card, missed } = self.tags.locate(HostAddr(addr), &mut moves);
+        if missed {
+            let geometry = self.config.cache.geometry;
+            let begin = card - u64::from(geometry.offset_of(HostAddr(addr)));
+            let load = Load { line: geometry.line_of(HostAddr(addr)), card: begin };
+            self.observer.line_is_written(self.now, load);
+        }
         if let Some(packet) = packet {
             let (sdram, now) = (self.config.sdram, Span { begin: self.now, end: self.now });
             let found = if missed { Found::Missing } else { Found::Resident };

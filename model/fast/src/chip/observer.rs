@@ -1,6 +1,7 @@
 //! What an observer of a run of the chip sees.
 
-use saarcor_model::time::{Direction, Span, TimingReport};
+use saarcor_model::time::{Direction, Load, Span, TimingReport};
+use saarcor_model::vm::HostAddr;
 
 /// What bytes move for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,6 +60,18 @@ pub trait ChipObserver {
     /// Of the on-board memory, `bytes` at `card` are asked for in cycle `now`: the transfer follows.
     fn request(&mut self, now: u64, card: u64, bytes: u64, direction: Direction) {
         let _ = (now, card, bytes, direction);
+    }
+
+    /// In cycle `now` a line from the host is written to its place on the card. Pictures before the run
+    /// write in cycle 0. Writes and reads come in the order in which the memory chips serve them.
+    fn line_is_written(&mut self, now: u64, load: Load) {
+        let _ = (now, load);
+    }
+
+    /// In cycle `now`, `bytes` are read from address `card` of the card on: those of the host from `addr`
+    /// on. Packets that take no time are left out.
+    fn part_is_read(&mut self, now: u64, addr: HostAddr, bytes: u64, card: u64) {
+        let _ = (now, addr, bytes, card);
     }
 }
 

@@ -15,7 +15,8 @@ mod sdram;
 pub mod standard;
 
 pub use chip::{
-    Answer, Chip, FirstLevelInTime, FunctionalUnit, LineInFlight, LinePart, State, Thread, Turn, simulate,
+    Answer, CardAccess, Chip, FirstLevelInTime, FunctionalUnit, LineInFlight, LinePart, Load, LoadId, Loads,
+    State, Thread, Turn, simulate,
 };
 pub use config::{
     ChipConfig, ConfigError, L1Config, MAX_COUNT, MAX_LATENCY, MetadataCacheConfig, UNIT_NAMES, UnitConfig,

@@ -2,6 +2,7 @@
 
 use super::Chip;
 use super::first_level::{LineInFlight, LinePart};
+use super::loads::{CardAccess, Load, LoadId};
 use super::tags::Located;
 use crate::time::config::Version;
 use crate::time::sdram::{Direction, TransferId};
@@ -12,28 +13,18 @@ use crate::vm::{HostAddr, LineAddr};
 pub(super) struct PendingTag {
     /// The cycle in which the bus manager took the part.
     asked: u64,
-    part: LinePart,
-    /// Its line of the virtual memory, and where it lies on the card.
-    line: LineAddr,
-    card: u64,
-    /// Whether the line has to be loaded for this part.
-    loads: bool,
+    part: PlacedPart,
+    /// Whether its line was missed, and the load that brings it, if that was in flight.
+    missed: bool,
+    load: Option<LoadId>,
     metadata_reads: Vec<TransferId>,
 }
 
-/// A line of the virtual memory that comes from the host, and where it will lie on the card.
+/// A part, and the load that brings its line to its place.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct HostLine {
-    line: LineAddr,
-    card: u64,
-}
-
-/// A part that waits for a line from the host, and where it will lie on the card.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct WaitingPart {
-    line: LineAddr,
+pub(super) struct PlacedPart {
     pub(super) part: LinePart,
-    card: u64,
+    place: Load,
 }
 
 impl Chip<'_> {
@@ -69,16 +60,13 @@ impl Chip<'_> {
         if !self.pci.has_arrived(self.now) {
             return;
         }
-        let Some(HostLine { line, card }) = self.from_host.pop_front() else { return };
+        let Some((load, parts)) = self.loads.arrive() else { return };
         let bytes = self.config.cache.geometry.line().0;
-        self.report.vm_fill_bytes += self.config.sdram.moved(card, bytes);
-        self.sdram.request(self.now, card, bytes, Direction::Write);
-        for waiting in std::mem::take(&mut self.waiting) {
-            if waiting.line == line {
-                self.read(waiting.part, waiting.card);
-            } else {
-                self.waiting.push(waiting);
-            }
+        self.report.vm_fill_bytes += self.config.sdram.moved(load.card, bytes);
+        self.sdram.request(self.now, load.card, bytes, Direction::Write);
+        self.card.push(CardAccess::Write(load));
+        for (_, part) in parts {
+            self.read(part);
         }
     }
 
@@ -87,14 +75,11 @@ impl Chip<'_> {
         while self.pending.front().is_some_and(|tag| self.is_known(tag))
             && let Some(tag) = self.pending.pop_front()
         {
-            let PendingTag { part, line, card, loads, .. } = tag;
-            if loads {
+            if tag.missed {
                 self.pci.request(self.config.cache.geometry.line().0);
             }
-            if self.from_host.iter().any(|host_line| host_line.line == line) {
-                self.waiting.push(WaitingPart { line, part, card });
-            } else {
-                self.read(part, card);
+            if let Some(part) = self.loads.act(tag.load, tag.part) {
+                self.read(part);
             }
         }
         if let Some(transfer) = self.pci.start(self.now) {
@@ -122,20 +107,14 @@ impl Chip<'_> {
         }
         let cache = self.caches.next(&asking);
         let Some(part) = self.first_level[cache].parts.pop_front() else { return };
-        let Located { card, missed, metadata } = self.tags.locate(part.addr);
+        let Located { load: place, missed, metadata } = self.tags.locate(part.addr);
         let metadata_reads = self.move_metadata(&metadata);
-        let geometry = self.config.cache.geometry;
-        let line = geometry.line_of(part.addr);
-        let in_flight = self.from_host.iter().any(|host_line| host_line.line == line);
-        let loads = missed && !in_flight;
+        let load = self.loads.request(place, missed);
         self.report.l2.accesses += 1;
-        self.report.l2.merged += u64::from(in_flight);
-        self.report.l2.misses += u64::from(loads);
-        if loads {
-            let begin = card - u64::from(geometry.offset_of(part.addr));
-            self.from_host.push_back(HostLine { line, card: begin });
-        }
-        self.pending.push_back(PendingTag { asked: self.now, part, line, card, loads, metadata_reads });
+        self.report.l2.merged += u64::from(!missed && load.is_some());
+        self.report.l2.misses += u64::from(missed);
+        let part = PlacedPart { part, place };
+        self.pending.push_back(PendingTag { asked: self.now, part, missed, load, metadata_reads });
     }
 
     /// Moves granules of metadata, which lie behind the lines (CH-17); the reads among these transfers.
@@ -159,7 +138,9 @@ impl Chip<'_> {
     }
 
     /// Reads a part of a first-level line from the on-board memory.
-    fn read(&mut self, part: LinePart, card: u64) {
+    fn read(&mut self, PlacedPart { part, place }: PlacedPart) {
+        let card = place.card + u64::from(self.config.cache.geometry.offset_of(part.addr));
+        self.card.push(CardAccess::Read { part, card });
         self.report.l1_fill_bytes += self.config.sdram.moved(card, part.bytes);
         let read = self.sdram.request(self.now, card, part.bytes, Direction::Read);
         self.first_level[part.cache].part_is_read(part.line, read);

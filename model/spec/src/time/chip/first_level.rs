@@ -1,5 +1,7 @@
 //! A first-level cache in time: its lines in flight, and who waits for what.
 
+use super::Chip;
+use super::thread::State;
 use super::turn::Turn;
 use crate::time::config::L1Config;
 use crate::time::operation::Operation;
@@ -140,6 +142,53 @@ impl FirstLevelInTime {
         for in_flight in self.in_flight.iter_mut().filter(|other| other.line == line) {
             in_flight.unread -= 1;
             in_flight.reads.push(read);
+        }
+    }
+}
+
+impl Chip<'_> {
+    /// CH-8.
+    pub(super) fn phase_7_first_level_look_ups(&mut self) {
+        for cache in 0..4 {
+            for _ in 0..self.config.l1[cache].ports {
+                let asks = |&thread: &usize| {
+                    let thread = &self.threads[thread];
+                    thread.state == State::Asks && thread.works_for(cache)
+                };
+                let asking: Vec<usize> = (0..self.threads.len()).filter(asks).collect();
+                if asking.is_empty() {
+                    break;
+                }
+                let thread = self.first_level[cache].in_turn(&asking, self.config.threads as usize);
+                self.look_up(cache, thread);
+                if !self.first_level[cache].is_full() {
+                    self.first_of_queue_asks_again(cache);
+                }
+            }
+        }
+    }
+
+    /// A thread's look-up (CH-9 to CH-12).
+    fn look_up(&mut self, cache: usize, thread: usize) {
+        let line = self.threads[thread].lines[0];
+        self.threads[thread].state = match self.first_level[cache].look_up(line, thread) {
+            Answer::NoRegister => State::Queued,
+            Answer::InFlight => State::Waits,
+            Answer::Resident => {
+                State::LooksUp { answer: self.now + u64::from(self.config.l1[cache].latency) }
+            }
+            Answer::Missing => {
+                let parts = self.parts_of(cache, line);
+                self.first_level[cache].fetch(line, thread, parts);
+                State::Waits
+            }
+        };
+    }
+
+    /// CH-11.
+    pub(super) fn first_of_queue_asks_again(&mut self, cache: usize) {
+        if let Some(thread) = self.first_level[cache].queue.pop_front() {
+            self.threads[thread].state = State::Asks;
         }
     }
 }

@@ -5,6 +5,7 @@
 
 mod bus_manager;
 mod first_level;
+mod loads;
 mod stalls;
 mod tags;
 mod thread;
@@ -16,8 +17,9 @@ use super::pci::Pci;
 use super::report::TimingReport;
 use super::sdram::Sdram;
 use crate::vm::{Outcome, Unit};
-use bus_manager::{HostLine, PendingTag, WaitingPart};
+use bus_manager::{PendingTag, PlacedPart};
 pub use first_level::{Answer, FirstLevelInTime, LineInFlight, LinePart};
+pub use loads::{CardAccess, Load, LoadId, Loads};
 use std::collections::VecDeque;
 use tags::{Tags, tags};
 pub use thread::{State, Thread};
@@ -70,10 +72,9 @@ pub struct Chip<'a> {
     tags: Box<dyn Tags>,
     /// Parts whose tags are looked up, in order.
     pending: VecDeque<PendingTag>,
-    /// Lines that come from the host, in order.
-    from_host: VecDeque<HostLine>,
-    /// Parts of lines that come from the host, in the order of their tags.
-    waiting: Vec<WaitingPart>,
+    loads: Loads<PlacedPart>,
+    /// What was written to the lines on the card, and read from them, in the order of the memory chips.
+    pub card: Vec<CardAccess>,
     /// The bus to the host.
     pub pci: Pci,
     /// The on-board memory.
@@ -107,8 +108,8 @@ impl<'a> Chip<'a> {
             caches: Turn::default(),
             tags: tags(config),
             pending: VecDeque::new(),
-            from_host: VecDeque::new(),
-            waiting: Vec::new(),
+            loads: Loads::new(),
+            card: Vec::new(),
             pci: Pci::new(config.pci),
             sdram: Sdram::new(config.sdram),
             report: TimingReport::default(),
@@ -125,7 +126,8 @@ impl<'a> Chip<'a> {
         for line in self.first_level[cache].lines_of(operation) {
             if let Outcome::Miss { .. } = self.first_level[cache].cache.access(line, || ()) {
                 for part in self.parts_of(cache, line) {
-                    self.tags.locate(part.addr);
+                    let located = self.tags.locate(part.addr);
+                    self.card.extend(located.missed.then_some(CardAccess::Write(located.load)));
                 }
             }
         }
@@ -228,51 +230,6 @@ impl<'a> Chip<'a> {
             self.threads[thread].state = State::Works { done };
             self.report.units[kind].operations += 1;
             self.report.units[kind].rays += u64::from(rays);
-        }
-    }
-
-    /// CH-8.
-    fn phase_7_first_level_look_ups(&mut self) {
-        for cache in 0..4 {
-            for _ in 0..self.config.l1[cache].ports {
-                let asks = |&thread: &usize| {
-                    let thread = &self.threads[thread];
-                    thread.state == State::Asks && thread.works_for(cache)
-                };
-                let asking: Vec<usize> = (0..self.threads.len()).filter(asks).collect();
-                if asking.is_empty() {
-                    break;
-                }
-                let thread = self.first_level[cache].in_turn(&asking, self.config.threads as usize);
-                self.look_up(cache, thread);
-                if !self.first_level[cache].is_full() {
-                    self.first_of_queue_asks_again(cache);
-                }
-            }
-        }
-    }
-
-    /// A thread's look-up (CH-9 to CH-12).
-    fn look_up(&mut self, cache: usize, thread: usize) {
-        let line = self.threads[thread].lines[0];
-        self.threads[thread].state = match self.first_level[cache].look_up(line, thread) {
-            Answer::NoRegister => State::Queued,
-            Answer::InFlight => State::Waits,
-            Answer::Resident => {
-                State::LooksUp { answer: self.now + u64::from(self.config.l1[cache].latency) }
-            }
-            Answer::Missing => {
-                let parts = self.parts_of(cache, line);
-                self.first_level[cache].fetch(line, thread, parts);
-                State::Waits
-            }
-        };
-    }
-
-    /// CH-11.
-    fn first_of_queue_asks_again(&mut self, cache: usize) {
-        if let Some(thread) = self.first_level[cache].queue.pop_front() {
-            self.threads[thread].state = State::Asks;
         }
     }
 

@@ -30,10 +30,8 @@ impl Chip<'_> {
             State::Queued => Some(Stall::Mshr),
             State::Waits => {
                 let (cache, line) = (thread.program[0].unit as usize, thread.lines[0]);
-                let comes_from_host = self
-                    .waiting
-                    .iter()
-                    .any(|waiting| (waiting.part.cache, waiting.part.line) == (cache, line));
+                let mut parts = self.loads.waiting.iter().map(|(_, waiting)| waiting.part);
+                let comes_from_host = parts.any(|part| (part.cache, part.line) == (cache, line));
                 Some(if comes_from_host { Stall::Host } else { Stall::Memory })
             }
             State::Free | State::Ready | State::Works { .. } => None,

@@ -1,19 +1,20 @@
 //! The tags of the bus manager: where a line lies on the card, and which metadata that moves.
 
+use super::loads::Load;
 use crate::time::config::{ChipConfig, Version};
 use crate::time::sdram::Direction;
 use crate::time::standard::CHIP_CACHE_WAYS;
 use crate::vm::{
-    CachedMetadata, Directory, HostAddr, LineAddr, Metadata, MetadataObserver, OnChip, Outcome, Policy,
-    WriteBack,
+    CachedMetadata, Directory, Geometry, HostAddr, LineAddr, Metadata, MetadataObserver, OnChip, Outcome,
+    Policy, WriteBack,
 };
 
-/// Where bytes lie on the card, and what had to be done to know.
+/// Where a line lies on the card, and what had to be done to know.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Located {
-    /// Address of the first byte on the card.
-    pub(super) card: u64,
-    /// Whether their line is not there and has to be loaded.
+    /// The load that brings it to its place.
+    pub(super) load: Load,
+    /// Whether it is not there and has to be loaded.
     pub(super) missed: bool,
     /// Granules of metadata that move, in order.
     pub(super) metadata: Vec<(LineAddr, Direction)>,
@@ -21,7 +22,7 @@ pub(super) struct Located {
 
 /// The tags of a version of §3.
 pub(super) trait Tags {
-    /// Looks up bytes that lie within one line: one step of the directory (VM-6).
+    /// Looks up the line of `addr`: one step of the directory (VM-6).
     fn locate(&mut self, addr: HostAddr) -> Located;
 }
 
@@ -38,7 +39,7 @@ pub(super) fn tags(config: &ChipConfig) -> Box<dyn Tags> {
 
 fn of_version<const WAYS: usize>(config: &ChipConfig) -> Box<dyn Tags> {
     match config.version {
-        Version::None => Box::new(NoTags),
+        Version::None => Box::new(NoTags(config.cache.geometry)),
         Version::A => Box::new(Directory::<WAYS>::new(config.cache)),
         Version::B => match config.metadata_cache.granule {
             8 => version_b::<WAYS, 8>(config),
@@ -67,11 +68,13 @@ fn version_b<const WAYS: usize, const GRANULE: usize>(config: &ChipConfig) -> Bo
 }
 
 /// Without virtual memory, bytes lie on the card at their host addresses (Assumed).
-struct NoTags;
+struct NoTags(Geometry);
 
 impl Tags for NoTags {
     fn locate(&mut self, addr: HostAddr) -> Located {
-        Located { card: addr.0.into(), missed: false, metadata: Vec::new() }
+        let line = self.0.line_of(addr);
+        let load = Load { line, card: self.0.first_byte(line).0.into() };
+        Located { load, missed: false, metadata: Vec::new() }
     }
 }
 
@@ -99,9 +102,9 @@ impl<const WAYS: usize, M: MetadataInTime<WAYS>> Tags for Directory<WAYS, M> {
         let (config, geometry) = (self.config, self.config.geometry);
         let line = geometry.line_of(addr);
         let outcome = self.access(line);
-        let begin = geometry.card_addr(config.set_of(line), outcome.way());
+        let card = geometry.card_addr(config.set_of(line), outcome.way());
         Located {
-            card: u64::from(begin.0) + u64::from(geometry.offset_of(addr)),
+            load: Load { line, card: card.0.into() },
             missed: matches!(outcome, Outcome::Miss { .. }),
             metadata: self.metadata.take_moves(),
         }
