@@ -110,6 +110,7 @@ pub fn set<S: Source, const WAYS: usize>(s: &mut S) -> Result<(Policy, Set<WAYS>
 
 /// Any legal set of that policy.
 pub fn set_of<S: Source, const WAYS: usize>(s: &mut S, policy: Policy) -> Result<Set<WAYS>, Stop> {
+    s.size("ways", WAYS);
     let mut set = Set::empty(policy);
     // At random, wide sets would hardly ever be full.
     let full = flag(s, "full");
@@ -150,7 +151,8 @@ pub fn order<const WAYS: usize>(s: &mut impl Source, policy: Policy) -> [u8; WAY
 pub fn order<const WAYS: usize>(s: &mut impl Source, _policy: Policy) -> [u8; WAYS] {
     let mut order = [0; WAYS];
     for place in 0..WAYS {
-        order[place] = s.value("management bits", 0..=u8::MAX, &[]);
+        // Of the small scope one: those who ask what is drawn come to the end with it.
+        order[place] = s.value("management bits", 0..=u8::MAX, &BYTES[place..=place]);
     }
     order
 }

@@ -1,10 +1,11 @@
 //! The engines that run everywhere: every value of a small scope, and values at random.
 
+use crate::scope::Scope;
 use crate::source::{Holds, Label, Source, Stop, Value};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, TestRng, TestRunner};
 use std::cell::RefCell;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::ops::RangeInclusive;
 
@@ -13,7 +14,7 @@ use std::ops::RangeInclusive;
 pub struct Judgement {
     /// Whether the theorem holds for all cases, and every cover was reached.
     pub holds: bool,
-    /// The values that were drawn.
+    /// Sizes and ranges of the values that were drawn.
     pub scope: String,
     /// Cases tried, vacuous ones included.
     pub cases: u64,
@@ -28,6 +29,7 @@ pub struct Judgement {
 /// What both engines note.
 #[derive(Clone, Debug, Default)]
 struct Notes {
+    scope: Scope,
     covers: BTreeMap<&'static str, u64>,
     /// The values of the present case by name, while a counterexample is described.
     case: Option<String>,
@@ -50,7 +52,6 @@ impl Notes {
 
 fn judgement(
     labels: &[&'static str],
-    scope: String,
     [cases, vacuous]: [u64; 2],
     notes: &Notes,
     failed: Option<String>,
@@ -61,6 +62,7 @@ fn judgement(
     let counterexample = failed
         .or_else(|| unreached.map(|(label, _)| format!("never reached: {label}")))
         .or_else(|| undeclared.map(|label| format!("reached, but not declared: {label}")));
+    let scope = notes.scope.text();
     Judgement { holds: counterexample.is_none(), scope, cases, vacuous, covers, counterexample }
 }
 
@@ -70,11 +72,11 @@ pub struct Exhaustive {
     digits: Vec<Digit>,
     drawn: usize,
     notes: Notes,
-    scope: BTreeMap<&'static str, (BTreeSet<u64>, [u64; 2])>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Digit {
+    name: &'static str,
     at: usize,
     len: usize,
 }
@@ -87,16 +89,19 @@ impl Source for Exhaustive {
                 small.iter().all(|value| full.contains(value)),
                 "{name}: the small scope is a part of the full"
             );
-            self.digits.push(Digit { at: 0, len: small.len() });
-            let (values, ends) = self.scope.entry(name).or_default();
-            values.extend(small.iter().map(|&value| value.into()));
-            let [low, high] = [*full.start(), *full.end()].map(Into::into);
-            *ends = [low.min(ends[0]), high.max(ends[1])];
+            self.digits.push(Digit { name, at: 0, len: small.len() });
+            let nth = self.digits.iter().filter(|digit| digit.name == name).count();
+            let ends = [*full.start(), *full.end()].map(Into::into);
+            self.notes.scope.try_all(name, ends, small.iter().map(|&value| value.into()), nth);
         }
         let value = small[self.digits[self.drawn].at];
         self.drawn += 1;
         self.notes.describe(name, value);
         value
+    }
+
+    fn size(&mut self, name: &'static str, value: usize) {
+        self.notes.scope.size(name, value as u64);
     }
 
     fn cover(&mut self, label: Label, reached: bool) {
@@ -127,7 +132,7 @@ impl Exhaustive {
                 break None;
             }
         };
-        judgement(covers, engine.scope(), [cases, vacuous], &engine.notes, failed)
+        judgement(covers, [cases, vacuous], &engine.notes, failed)
     }
 
     /// The next case; false after the last.
@@ -141,31 +146,6 @@ impl Exhaustive {
             self.digits.pop();
         }
         false
-    }
-
-    /// The values tried, by name.
-    fn scope(&self) -> String {
-        let mut text = String::new();
-        for (name, (values, [low, high])) in &self.scope {
-            let (first, last) = (values.first().unwrap_or(&0), values.last().unwrap_or(&0));
-            let comma = if text.is_empty() { "" } else { ", " };
-            let _ = write!(text, "{comma}{name} ");
-            let gapless = last - first == values.len() as u64 - 1;
-            let _ = if gapless {
-                write!(text, "{first}..={last}")
-            } else {
-                let list: Vec<_> = values.iter().map(u64::to_string).collect();
-                if list.len() <= 6 {
-                    write!(text, "{{{}}}", list.join(", "))
-                } else {
-                    write!(text, "{} values from {first} to {last}", list.len())
-                }
-            };
-            if [first, last] != [low, high] || !gapless {
-                let _ = write!(text, " of {low}..={high}");
-            }
-        }
-        text
     }
 }
 
@@ -190,12 +170,17 @@ impl Source for Random {
         let (kind, fraction) = (word >> 62, word << 2);
         let of = |span: u128| ((u128::from(fraction) * span) >> 64) as u64;
         let [low, high]: [u64; 2] = [*full.start(), *full.end()].map(Into::into);
+        self.notes.scope.draw(name, [low, high]);
         let value = match kind {
             0..3 => small[of(small.len() as u128) as usize],
             _ => T::above(*full.start(), of(u128::from(high - low) + 1)),
         };
         self.notes.describe(name, value);
         value
+    }
+
+    fn size(&mut self, name: &'static str, value: usize) {
+        self.notes.scope.size(name, value as u64);
     }
 
     fn cover(&mut self, label: Label, reached: bool) {
@@ -237,11 +222,12 @@ impl Random {
             }
             Err(TestError::Abort(reason)) => Some(reason.message().to_owned()),
         };
-        judgement(covers, "all values, at random".to_owned(), counts, &engine.notes, failed)
+        judgement(covers, counts, &engine.notes, failed)
     }
 
     fn play(&mut self, body: fn(&mut Self) -> Holds, tape: Vec<u64>) -> Holds {
         (self.tape, self.drawn) = (tape, 0);
+        self.notes.scope.begin();
         body(self)
     }
 }

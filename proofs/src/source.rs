@@ -52,6 +52,9 @@ pub trait Source {
     /// Any value of `full`. The exhaustive engine draws each of `small`, which are some of it.
     fn value<T: Value>(&mut self, name: &'static str, full: RangeInclusive<T>, small: &'static [T]) -> T;
 
+    /// Notes a size that the body's types have, as the ways of a set: part of the scope that is shown.
+    fn size(&mut self, _name: &'static str, _value: usize) {}
+
     /// Notes that a case of interest was reached, so that no theorem holds for want of cases.
     fn cover(&mut self, label: Label, reached: bool);
 }

@@ -3,11 +3,11 @@
 
 #[cfg(not(kani))]
 use crate::engines::{Exhaustive, Judgement, Random};
-#[cfg(not(kani))]
+#[cfg(any(not(kani), all(kani_stub, test)))]
 use crate::source::Holds;
 
 /// A registered theorem.
-#[cfg(not(kani))]
+#[cfg(any(not(kani), all(kani_stub, test)))]
 pub struct Theorem {
     /// The function's name.
     pub name: &'static str,
@@ -24,12 +24,17 @@ pub struct Theorem {
     /// Why Kani cannot judge it, where it cannot.
     pub not_for_kani: Option<&'static str>,
     /// The body for the exhaustive engine.
+    #[cfg(not(kani))]
     pub exhaustive: fn(&mut Exhaustive) -> Holds,
     /// The body for the random engine.
+    #[cfg(not(kani))]
     pub random: fn(&mut Random) -> Holds,
+    /// The body as Kani has it, for whoever asks what it draws.
+    #[cfg(kani)]
+    pub recorded: fn(&mut crate::stub::Recorder) -> Holds,
 }
 
-#[cfg(not(kani))]
+#[cfg(any(not(kani), all(kani_stub, test)))]
 impl Theorem {
     /// The unit of the model, by the place of its file: `vm::set`.
     #[must_use]
@@ -44,6 +49,7 @@ impl Theorem {
     }
 
     /// Tries every case of its small scope, up to the first that fails.
+    #[cfg(not(kani))]
     #[must_use]
     pub fn judge_exhaustively(&self) -> Judgement {
         Exhaustive::judge(self.covers, self.exhaustive)
@@ -51,6 +57,7 @@ impl Theorem {
 
     /// Tries that many cases at random over its full scope, the same in every run, and shrinks the
     /// first that fails.
+    #[cfg(not(kani))]
     #[must_use]
     pub fn judge_at_random(&self, cases: u32) -> Judgement {
         Random::judge(self.covers, self.random, cases)
@@ -83,7 +90,7 @@ macro_rules! theorems {
         )+
 
         /// The theorems of this unit.
-        #[cfg(not(kani))]
+        #[cfg(any(not(kani), all(kani_stub, test)))]
         pub const THEOREMS: &[$crate::theorem::Theorem] = &[$($crate::theorem::Theorem {
             name: stringify!($name),
             module: module_path!(),
@@ -92,8 +99,12 @@ macro_rules! theorems {
             says: concat!($($says),+).trim_ascii_start(),
             covers: &[$($cover),+],
             not_for_kani: $crate::reason_without_kani!($kani $how),
+            #[cfg(not(kani))]
             exhaustive: $name::<$crate::engines::Exhaustive>,
+            #[cfg(not(kani))]
             random: $name::<$crate::engines::Random>,
+            #[cfg(kani)]
+            recorded: $name::<$crate::stub::Recorder>,
         }),+];
 
         #[cfg(kani)]
@@ -105,7 +116,7 @@ macro_rules! theorems {
 }
 
 /// Why Kani cannot judge a theorem; none where it can.
-#[cfg(not(kani))]
+#[cfg(any(not(kani), all(kani_stub, test)))]
 #[macro_export]
 macro_rules! reason_without_kani {
     (unwind $bound:literal) => {

@@ -33,6 +33,7 @@
 //! | [`metadata`] | the metadata law beside the paper's examples |
 //! | [`conform`] | the report of a conformance run |
 //! | [`prove`] | the theorems and how they are proved |
+//! | [`kani`] | how Kani is run |
 //! | [`reproduce`] | the paper's figures, ours beside theirs |
 
 pub mod args;
@@ -40,6 +41,7 @@ pub mod cli;
 pub mod conform;
 pub mod curve;
 pub mod front;
+pub mod kani;
 pub mod limits;
 pub mod metadata;
 pub mod output;

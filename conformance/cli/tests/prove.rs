@@ -15,7 +15,26 @@ fn lists_theorems_without_judging_them() {
     assert!(listed.len() >= 110);
     for theorem in &listed {
         let keys: Vec<_> = theorem.as_object().expect("an object").keys().collect();
-        assert_eq!(keys, ["covers", "engines", "name", "not_for_kani", "requirement", "says", "unit"]);
+        let expected = [
+            "covers",
+            "engines",
+            "evidence",
+            "kani_scope",
+            "name",
+            "not_for_kani",
+            "requirement",
+            "says",
+            "unit",
+        ];
+        assert_eq!(keys, expected);
+        let engines: Vec<_> = theorem["evidence"].as_object().expect("an object").keys().collect();
+        assert_eq!(engines, ["exhaustive", "kani", "random"]);
+        for known in theorem["evidence"].as_object().expect("an object").values() {
+            let state = known["state"].as_str().expect("text");
+            assert!(["current", "stale", "not run", "not for Kani"].contains(&state), "{state}");
+            assert!(state != "current" || known["scope"].is_string() && known["seconds"].is_number());
+        }
+        assert_eq!(theorem["kani_scope"].is_null(), !theorem["not_for_kani"].is_null());
     }
     let text = stdout_of(&["prove", "--list", "hash"]);
     let hash = listed.iter().filter(|theorem| theorem["unit"] == "vm::hash").count();
@@ -39,6 +58,18 @@ fn results_add_to_what_is_listed() {
     assert_eq!(results[0]["scope"], "example 0..=1, log2 ways 0..=4");
     let more = stdout_of(&["prove", "hash_names_a_set", "--engine", "random", "--cases", "300", "--json"]);
     assert_eq!(lines(&more)[0]["cases"], 300);
+}
+
+/// What engines speak of comes from the code: the sizes that types have, and the ranges of what is drawn.
+#[test]
+fn scopes_are_those_of_the_code() {
+    let results = lines(&stdout_of(&["prove", "hit_iff_resident", "--json"]));
+    let scope = |at: usize| results[at]["scope"].as_str().expect("text");
+    assert!(scope(0).starts_with("ways {1, 2, 4}, log2 ways 0..=2, "), "{}", scope(0));
+    assert!(scope(1).contains("line any u32"), "{}", scope(1));
+    let listed = lines(&stdout_of(&["prove", "hit_iff_resident", "--list", "--json"]));
+    let kani = listed[0]["kani_scope"].as_str().expect("text");
+    assert!(kani.starts_with("ways 4, ") && kani.contains("line any u32"), "{kani}");
 }
 
 #[test]

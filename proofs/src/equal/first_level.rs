@@ -12,6 +12,7 @@ const SETS: usize = if cfg!(kani) { 1 } else { 2 };
 
 /// Any legal cache of two ways, without a dirty line: units only read.
 fn cache<S: Source>(s: &mut S) -> Result<FirstLevel<2, ()>, Stop> {
+    s.size("sets", SETS);
     let policy = draw::policy(s);
     let mut cache = FirstLevel::<2, ()>::new(HostAddr(0), 1, SETS, policy);
     for index in 0..SETS {
@@ -33,6 +34,7 @@ theorems! {
         assume!(base <= addr && end <= 1 << 32);
         let any = if cfg!(kani) { 8 } else { s.value("bytes a line", 1..=1 << 16, &[1, 2, 3, 8, 36, 1 << 16]) };
         for line_bytes in [1, any] {
+            s.size("bytes a line", line_bytes as usize);
             let lines = FirstLevel::<1, ()>::new(base, line_bytes, 1, Policy::Lru).lines_of(addr, u64::from(bytes));
             let count = lines.end - lines.start;
             cover!(s, "one line", count == 1);

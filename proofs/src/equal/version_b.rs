@@ -77,6 +77,9 @@ fn states<S: Source, const META_WAYS: usize, const GRANULE: usize>(
     config: &CacheConfig,
     meta_sets: usize,
 ) -> Result<(Spec<META_WAYS, GRANULE>, Twin<META_WAYS>, SetIndex), Stop> {
+    s.size("metadata ways", META_WAYS);
+    s.size("metadata sets", meta_sets);
+    s.size("bytes a granule", GRANULE);
     let policy = config.policy;
     let granules = if META_WAYS == 1 { Policy::Lru } else { draw::policy(s) };
     // The only set is a constant to Kani, and with it every position of its metadata.

@@ -18,6 +18,7 @@ const LEAF: Node = Node::Leaf { first: 0, count: 0 };
 /// Five nodes, each a leaf or an inner node with children anywhere, in small scopes at some of
 /// `places`.
 fn nodes(s: &mut impl Source, places: &'static [u32]) -> [Node; NODES] {
+    s.size("nodes", NODES);
     let mut nodes = [LEAF; NODES];
     for node in &mut nodes {
         if draw::flag(s, "is an inner node") {

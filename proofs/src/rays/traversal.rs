@@ -139,6 +139,7 @@ theorems! {
         // Every tree of up to three inner nodes on a path, and every decision at each of them. A
         // walk through deeper ones is made of the same steps, of which the next theorem speaks. A
         // child put off that is dropped later, since a hit lies before it, is a leaf here.
+        s.size("inner nodes on a path", LEVELS);
         let mut inner = [false; NODES];
         let mut decisions = [Children::Below; NODES];
         // What is expected, from the root down: which nodes the packet is led to, and for each how

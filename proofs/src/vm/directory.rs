@@ -22,6 +22,9 @@ pub const LINE: usize = 2;
 /// Any configuration of a card of that many sets, with the standard hash: that the others name a set too is a
 /// theorem of the hash, and what is done with the set is the same.
 pub fn config<S: Source, const WAYS: usize, const SETS: usize>(s: &mut S) -> Result<CacheConfig, Stop> {
+    s.size("ways", WAYS);
+    s.size("sets", SETS);
+    s.size("bytes a line", LINE);
     let policy = draw::policy(s);
     match Geometry::new(Bytes((WAYS * SETS * LINE) as u64), Bytes(LINE as u64), WAYS as u32) {
         Ok(geometry) => Ok(CacheConfig { geometry, hash: Hash::AddUpper, policy }),

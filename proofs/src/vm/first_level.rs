@@ -47,6 +47,8 @@ fn l1<S: Source, const WAYS: usize, const SETS: usize, const LINE: usize>(
     s: &mut S,
     base: HostAddr,
 ) -> Result<FirstLevel<WAYS, [u8; LINE]>, Stop> {
+    s.size("sets", SETS);
+    s.size("bytes a line", LINE);
     let policy = draw::policy(s);
     let mut l1 = FirstLevel::<WAYS, [u8; LINE]>::new(base, SETS, policy);
     for index in 0..SETS {

@@ -59,6 +59,9 @@ fn version_b<S: Source, const GRANULE: usize>(
     config: &CacheConfig,
     truth: &[u8; MOST_BYTES],
 ) -> B<GRANULE> {
+    s.size("metadata ways", META_WAYS);
+    s.size("metadata sets", 1);
+    s.size("bytes a granule", GRANULE);
     let last = granules(GRANULE) - 1;
     let cached = s.value("granule in the cache", 0..=last as u32, draw::words(0, last + 1)) as usize;
     let resident = draw::flag(s, "granule is resident");

@@ -1,14 +1,16 @@
 //! `saarcor prove`.
 
+use crate::kani::{self, Limits};
 use crate::output::{Stdout, json_line};
 use crate::progress::Progress;
-use crate::prove::{Engine, EngineVerdict, Judged, Listed, by_kani};
+use crate::prove::{Engine, EngineVerdict, Judged, Listed, ListedWithEvidence};
 use crate::status::Status;
-use anyhow::{Result, bail};
+use anyhow::{Context as _, Result, bail};
 use clap::ValueEnum as _;
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
 use rayon::prelude::*;
+use saarcor_proofs::evidence::{Evidence, State};
 use saarcor_proofs::theorem::Theorem;
 use saarcor_studies::names::nearest;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -24,9 +26,21 @@ pub struct Args {
     /// Cases a theorem for the random engine
     #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..))]
     cases: u32,
-    /// Lists the theorems and judges none
+    /// Lists the theorems, with what was shown of them before, and judges none
     #[arg(long, conflicts_with = "engine")]
     list: bool,
+    /// Judges only theorems of which the engine has shown nothing, or nothing for the code as it is
+    #[arg(long, conflicts_with = "list")]
+    stale: bool,
+    /// Writes what is shown into proofs/verdicts.toml: Kani's after each theorem
+    #[arg(long, conflicts_with = "list")]
+    record: bool,
+    /// Seconds of CPU a theorem, for Kani
+    #[arg(long, value_name = "SECONDS", default_value_t = 120, value_parser = clap::value_parser!(u64).range(1..))]
+    timeout: u64,
+    /// Seconds for all theorems together, for Kani; those that are left then are not run
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..))]
+    limit_seconds: Option<u64>,
     /// Prints JSON lines: an object a theorem, or a theorem and engine
     #[arg(long)]
     json: bool,
@@ -46,12 +60,23 @@ impl Args {
     pub fn run(self, progress: &Progress) -> Result<Status> {
         let theorems = self.theorems()?;
         let mut out = Stdout::new();
+        let mut evidence = match Evidence::read(&Evidence::workspace()) {
+            Ok(evidence) => evidence,
+            Err(error) if self.record || self.stale => {
+                return Err(error).context("the evidence of the theorems");
+            }
+            Err(error) => {
+                progress.say(format_args!("the evidence of the theorems cannot be read: {error}"));
+                Evidence::none()
+            }
+        };
         if self.list {
             for theorem in &theorems {
+                let listed = ListedWithEvidence::new(theorem, &evidence);
                 if self.json {
-                    json_line(&mut out, &Listed::from(*theorem))?;
+                    json_line(&mut out, &listed)?;
                 } else {
-                    out.line(format_args!("{}", Listed::from(*theorem).text()))?;
+                    out.line(format_args!("{}", listed.text()))?;
                 }
             }
             return out.finish().map(|()| Status::Holds);
@@ -61,7 +86,18 @@ impl Args {
         let Engines(engines) = self.engine.clone().unwrap_or_else(without_kani);
         let mut all = Vec::new();
         for &engine in &engines {
-            let results = self.judge(engine, &theorems, progress);
+            let mut asked = theorems.clone();
+            if self.stale {
+                asked.retain(|theorem| {
+                    matches!(evidence.state(theorem, engine.name()), State::Stale | State::Missing)
+                });
+                progress.say(format_args!(
+                    "{engine}: the evidence of {} of {} theorems is stale or missing",
+                    asked.len(),
+                    theorems.len()
+                ));
+            }
+            let results = self.judge(engine, &asked, &mut evidence, progress)?;
             for judged in &results {
                 if self.json {
                     json_line(&mut out, judged)?;
@@ -76,9 +112,10 @@ impl Args {
         out.finish()?;
 
         let count = |verdict| all.iter().filter(|judged| judged.verdict == verdict).count();
-        let (disproved, absent) = (count(EngineVerdict::Disproved), count(EngineVerdict::NotRun));
+        let (disproved, absent) =
+            (count(EngineVerdict::Disproved), count(EngineVerdict::NotRun) + count(EngineVerdict::NoAnswer));
         progress.say(format_args!(
-            "{} theorems: {} proved, {} held, {disproved} disproved, {absent} not run{}",
+            "{} theorems: {} proved, {} held, {disproved} disproved, {absent} not run or without an answer{}",
             theorems.len(),
             count(EngineVerdict::Proved),
             count(EngineVerdict::Held),
@@ -91,9 +128,16 @@ impl Args {
         })
     }
 
-    fn judge(&self, engine: Engine, theorems: &[&Theorem], progress: &Progress) -> Vec<Judged> {
+    fn judge(
+        &self,
+        engine: Engine,
+        theorems: &[&Theorem],
+        evidence: &mut Evidence,
+        progress: &Progress,
+    ) -> Result<Vec<Judged>> {
         let done = AtomicUsize::new(0);
-        progress.during(&format!("by the engine {engine}"), |report| {
+        let mut recorded = Ok(());
+        let results = progress.during(&format!("by the engine {engine}"), |report| {
             let one_done = || {
                 let done = done.fetch_add(1, Ordering::Relaxed) + 1;
                 report(done as f64 / theorems.len() as f64);
@@ -105,9 +149,27 @@ impl Args {
             match engine {
                 Engine::Exhaustive => each(&Judged::exhaustive),
                 Engine::Random => each(&|theorem| Judged::random(theorem, self.cases)),
-                Engine::Kani => by_kani(theorems, |_| one_done()),
+                Engine::Kani => {
+                    let limits = Limits { cpu_seconds: self.timeout, seconds: self.limit_seconds };
+                    let version = kani::version().unwrap_or_default();
+                    kani::judge(theorems, evidence, limits, |evidence, theorem, judged| {
+                        if self.record && recorded.is_ok() {
+                            recorded = record(evidence, theorem, judged, &version);
+                        }
+                        one_done();
+                    })
+                }
             }
-        })
+        });
+        if self.record && engine != Engine::Kani {
+            let version = concat!("saarcor ", env!("CARGO_PKG_VERSION"));
+            for (theorem, judged) in theorems.iter().zip(&results) {
+                keep(evidence, theorem, judged, version);
+            }
+            recorded = evidence.write();
+        }
+        recorded.context("proofs/verdicts.toml cannot be written")?;
+        Ok(results)
     }
 
     fn theorems(&self) -> Result<Vec<&'static Theorem>> {
@@ -129,4 +191,17 @@ impl Args {
 fn is_named(theorem: &Theorem, name: &str) -> bool {
     let unit = theorem.unit();
     theorem.name == name || unit == name || unit.split("::").any(|part| part == name)
+}
+
+/// Keeps what was shown of a theorem for what it rests on.
+fn keep(evidence: &mut Evidence, theorem: &Theorem, judged: &Judged, version: &str) {
+    if let Some(shown) = judged.shown(version, evidence.rests_on(theorem, judged.engine.name())) {
+        evidence.keep(theorem, judged.engine.name(), shown);
+    }
+}
+
+/// The same, and writes all evidence: a run that is cut off has what it has.
+fn record(evidence: &mut Evidence, theorem: &Theorem, judged: &Judged, version: &str) -> std::io::Result<()> {
+    keep(evidence, theorem, judged, version);
+    evidence.write()
 }

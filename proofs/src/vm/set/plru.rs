@@ -22,6 +22,7 @@ fn full_set<S: Source, const WAYS: usize>(s: &mut S) -> Set<WAYS> {
 }
 
 fn victim<S: Source, const WAYS: usize>(s: &mut S) -> Result<(usize, usize), Stop> {
+    s.size("ways", WAYS);
     let before = full_set::<S, WAYS>(s);
     let (_, outcome) = before.access(LineAddr(WAYS as u32), Policy::Plru);
     let Outcome::Miss { way, evicted } = outcome else { return Err(Stop::Vacuous) };
@@ -36,6 +37,7 @@ fn victim<S: Source, const WAYS: usize>(s: &mut S) -> Result<(usize, usize), Sto
 }
 
 fn use_of_a_way<S: Source, const WAYS: usize>(s: &mut S) -> Result<(usize, usize), Stop> {
+    s.size("ways", WAYS);
     let before = full_set::<S, WAYS>(s);
     let way = s.value("way", 0..=WAYS as u32 - 1, draw::words(0, WAYS)) as usize;
     let (after, _) = before.access(LineAddr(way as u32), Policy::Plru);
