@@ -20,7 +20,7 @@ class BusManager:
         self.config, self.now = config, 0
         self.memory, self.tags, self.last_cache = MemoryChips(config), Tags(config), -1
         self.asked, self.known = [], 0  # (cycle in which the tag is known, part, card, whether missed, its load)
-        self.loads, self.bus_free = [], 0  # the loads in flight, in order
+        self.loads, self.bus_free, self.busy = [], 0, 0  # the loads in flight, in order
         self.moved = {"pci": 0, "fill": 0, "load": 0, "read": 0, "back": 0}
         self.look_ups = self.merged = self.misses = 0
 
@@ -47,7 +47,8 @@ class BusManager:
             if missed:
                 beats = -(-self.config["line"] // self.config["pci-beat"])
                 begin = max(self.now, self.bus_free)
-                self.bus_free = begin + self.config["pci-setup"] + beats * self.config["pci-clock"]
+                taken = self.config["pci-setup"] + beats * self.config["pci-clock"]
+                self.bus_free, self.busy = begin + taken, self.busy + taken
                 load.there = self.bus_free
                 self.moved["pci"] += self.config["line"]
             if load and not load.arrived:

@@ -77,6 +77,7 @@ class FirstLevel:
         thread.state = "waits"
         if way:
             self.merged += 1
+            thread.way = way
             way.threads.append(thread)
         elif there:
             thread.state, thread.done = "looks up", now + self.latency
@@ -84,5 +85,6 @@ class FirstLevel:
             self.misses += 1
             parts = self.parts_of(line)
             way = OnItsWay(line, thread, len(parts))
+            thread.way = way
             self.on_their_way.append(way)
             self.parts += [(way, address, size) for address, size in parts]

@@ -3,6 +3,7 @@
 import sys
 from bus import BusManager, in_turn
 from caches import FirstLevel
+from work import Work
 
 STANDARD = """pipelines=4 threads=16 tag=4 return=4 version=a line=128 lines=65536 ways=4 hash=add-upper policy=lru
     granule=16 meta-sets=1024 clock=4 beat=16 banks=4 row=4096 cl=3 rcd=3 rp=3 rc=9 wr=2 refresh=2083 rfc=9
@@ -17,6 +18,7 @@ class Thread:
 
     def __init__(self, pipeline):
         self.pipeline, self.state, self.done, self.program, self.lines = pipeline, "free", 0, [], []
+        self.way = None  # the line in flight that it waits for
 
     def asks(self, unit):
         return self.state == "asks" and self.program[0][0] == unit
@@ -27,6 +29,7 @@ class Chip:
         self.config, self.now, self.packets, self.last_pipeline = config, 0, list(packets), -1
         self.threads = [Thread(n // config["threads"]) for n in range(config["pipelines"] * config["threads"])]
         self.units = {}  # (pipeline, unit): the thread served last, and the first cycle in which it is free
+        self.work = Work()
         self.bus = BusManager(config)
         self.caches = {unit: FirstLevel(unit, config, self.bus) for unit in "snlt"}
         for unit, address, size, _ in (operation for packet in before for operation in packet):
@@ -52,6 +55,7 @@ class Chip:
             for cache in caches:
                 cache.serve(self.threads, self.now)
             self.bus.take_part(caches)
+            self.work.account(self)
             self.now += 1
 
     def answers(self):
@@ -82,6 +86,7 @@ class Chip:
                 free = self.now + max(1, -(-thread.program[0][3] // self.config[unit + "-rate"]))
                 self.units[place] = number, free
                 thread.state, thread.done = "works", free + self.config[unit + "-latency"]
+                self.work.begins(unit, thread.program[0][3])
 
     def begin(self, thread):
         thread.state = "free"
@@ -104,7 +109,8 @@ class Chip:
     def report(self):
         counts = [f"{c.look_ups:x}/{c.merged:x}/{c.misses:x}" for c in [*self.caches.values(), self.bus]]
         pci, *memory = (f"{count:x}" for count in self.bus.moved.values())
-        return f"c {self.now:x} {pci} {','.join(memory)} {','.join(counts[:4])} {counts[4]}"
+        work = f" {self.work} {self.bus.busy:x}" if "--work" in sys.argv else ""
+        return f"c {self.now:x} {pci} {','.join(memory)} {','.join(counts[:4])} {counts[4]}{work}"
 
 
 def packet(words):
@@ -126,7 +132,7 @@ def main():
         elif name == "config":
             pairs = (word.split("=") for word in STANDARD.split() + words)
             config = {key: int(value) if value.isdecimal() else value for key, value in pairs}
-            answer = "unsupported policy" if config["policy"] == "plru" else "ok observes=cycles,pci,mem,l1,l2"
+            answer = "ok observes=cycles,pci,mem,l1,l2"
         elif name in ("saarcor-chip", "end"):
             answer = "saarcor-chip 1" if name != "end" else "end"
         else:

@@ -70,12 +70,15 @@ class Tags:
             return address, False, []
         line, offset = divmod(address, self.config["line"])
         index = self.set_of(line)
-        entries = self.sets.setdefault(index, [[0, 0, way] for way in range(self.ways)])
+        plru = self.config["policy"] == "plru"
+        entries = self.sets.setdefault(index, [[0, 0, 0 if plru else way] for way in range(self.ways)])
         before = encoded(entries)
         hits = [way for way, entry in enumerate(entries) if entry[:2] == [line, 1]]
         free = [way for way, entry in enumerate(entries) if not entry[1]]
-        way = (hits or free or [entries[-1][2]])[0]
-        if not hits or self.config["policy"] == "lru":
+        way = (hits or free or [pointed_at(entries) if plru else entries[-1][2]])[0]
+        if plru:
+            turn_away(entries, way)
+        elif not hits or self.config["policy"] == "lru":
             order = [way] + [entry[2] for entry in entries if entry[2] != way]
             for entry, other in zip(entries, order):
                 entry[2] = other
@@ -100,6 +103,21 @@ class Tags:
                         moves.append((old, True))
             held.append([number, change or bool(found and found[1])])
         return moves
+
+
+def pointed_at(entries):
+    """The way that the bits of the tree point at: entry i has the bit of node i, the root is 1."""
+    node = 1
+    while node < len(entries):
+        node = 2 * node + entries[node][2]
+    return node - len(entries)
+
+
+def turn_away(entries, way):
+    node = len(entries) + way
+    while node > 1:
+        entries[node // 2][2] = 1 - node % 2
+        node //= 2
 
 
 def encoded(entries):
