@@ -66,6 +66,7 @@ pub fn theorems() -> impl Iterator<Item = &'static theorem::Theorem> {
         time::config::THEOREMS,
         time::sdram::THEOREMS,
         time::pci::THEOREMS,
+        time::loads::THEOREMS,
         time::report::THEOREMS,
         equal::directory::THEOREMS,
         equal::version_b::THEOREMS,

@@ -1,11 +1,14 @@
-//! The chip between events is the specification's to the cycle, on small chips of all kinds at random.
+//! Small chips of all kinds at random: the chip between events is the specification's to the cycle, and in
+//! both each part that is read from the card has the bytes of the host.
 
 use proptest::prelude::*;
+use saarcor_fast::chip::{ChipObserver, simulate_observed};
 use saarcor_model::time::{
-    ChipConfig, L1Config, MetadataCacheConfig, Operation, PciConfig, Program, Programs, SdramConfig,
-    TimingReport, UNIT_NAMES, UnitConfig, Version,
+    CardAccess, Chip, ChipConfig, L1Config, Load, MetadataCacheConfig, Operation, PciConfig, Program,
+    Programs, SdramConfig, TimingReport, UNIT_NAMES, UnitConfig, Version,
 };
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr, Policy, Unit};
+use saarcor_oracles::card::CardShadow;
 
 #[track_caller]
 fn sums_hold(report: &TimingReport, config: &ChipConfig) {
@@ -32,6 +35,19 @@ fn any_programs() -> impl Strategy<Value = Programs> {
     let triangles = prop::sample::select(vec![0, 20]);
     (prop::collection::vec(packet, 0..12), triangles)
         .prop_map(|(packets, base)| Programs { packets, triangles: HostAddr(base) })
+}
+
+/// A run whose card has a shadow.
+struct Shadowed<'a>(CardShadow<'a>);
+
+impl ChipObserver for Shadowed<'_> {
+    fn line_is_written(&mut self, _: u64, load: Load) {
+        self.0.write(load);
+    }
+
+    fn part_is_read(&mut self, now: u64, addr: HostAddr, bytes: u64, card: u64) {
+        self.0.read(now, addr, bytes, card);
+    }
 }
 
 prop_compose! {
@@ -69,8 +85,8 @@ prop_compose! {
 prop_compose! {
     fn any_cache()(
         line_bits in 4_u32..7,
-        way_bits in 0_u32..3,
-        set_bits in 0_u32..4,
+        way_bits in 0_u32..5,
+        set_bits in 0_u32..3,
         hash in prop::sample::select(vec![Hash::Low, Hash::AddUpper, Hash::AddUpperAll]),
         policy in prop::sample::select(vec![Policy::Lru, Policy::Fifo, Policy::Plru]),
     ) -> CacheConfig {
@@ -119,5 +135,38 @@ proptest! {
         let fast = saarcor_fast::chip::simulate(&before, &programs, &config).expect("a chip");
         prop_assert_eq!(&fast, &saarcor_model::time::simulate(&before, &programs, &config).expect("a chip"));
         sums_hold(&fast, &config);
+    }
+
+    /// Through a memory of 1 to 64 lines, which packets evict in flight, each part that is read has the
+    /// bytes of the host (VM-9), whatever happens when: in the chip between events and in the specification.
+    #[test]
+    fn parts_have_the_bytes_of_the_host(
+        config in any_chip(),
+        programs in any_programs(),
+        before in prop::collection::vec(any_programs(), 0..2),
+    ) {
+        let host: Vec<u8> = (0..20_000_u32).map(|addr| (addr ^ addr >> 7) as u8).collect();
+        let mut fast = Shadowed(CardShadow::new(&host, &config));
+        simulate_observed(&before, &programs, &config, &mut fast).expect("a chip");
+        prop_assert!(fast.0.first.is_none(), "{}", fast.0.first.expect("a difference"));
+
+        let mut shadow = CardShadow::new(&host, &config);
+        let mut chip = Chip::new(&before, &programs, &config).expect("a chip");
+        let mut seen = 0;
+        let mut has_ended = false;
+        while !has_ended {
+            has_ended = chip.cycle(|_, chip| {
+                for access in &chip.card[seen..] {
+                    match *access {
+                        CardAccess::Write(load) => shadow.write(load),
+                        CardAccess::Read { part, card } => shadow.read(chip.now, part.addr, part.bytes, card),
+                    }
+                }
+                seen = chip.card.len();
+            });
+        }
+        prop_assert!(shadow.first.is_none(), "{}", shadow.first.expect("a difference"));
+        let report = chip.report();
+        prop_assert_eq!((fast.0.parts, shadow.parts), (report.l2.accesses, report.l2.accesses));
     }
 }

@@ -104,7 +104,7 @@ impl Cli {
                 Verb::Scenes(args) => args.run(&progress),
                 Verb::Render(args) => args.run(&progress),
                 Verb::Walk(args) => args.run(&progress),
-                Verb::Simulate(args) => args.run(&progress),
+                Verb::Simulate(args) => return args.run(&progress),
                 Verb::Sweep(args) => args.run(&progress),
                 Verb::Merge(args) => args.run(),
                 Verb::Trace(args) => args.run(&progress),

@@ -123,3 +123,21 @@ fn text_says_what_the_json_says() {
     assert!(text.contains(&format!("{} cycles", row["cycles"])));
     assert!(text.contains(&row["l1"]["list"]["accesses"].to_string()));
 }
+
+#[test]
+fn parts_are_compared_with_the_hosts_bytes() {
+    for variant in ["none", "a", "b"] {
+        for sizes in [&[][..], &TIGHT] {
+            let args = [&["--variant", variant], sizes].concat();
+            let mut checked = simulate(&[&args[..], &["--check-bytes"]].concat());
+            let fields = checked.as_object_mut().expect("an object");
+            let parts = fields.remove("parts_checked").and_then(|parts| parts.as_u64()).expect("a number");
+            assert_eq!(fields.remove("parts_wrong"), Some(0.into()));
+            let row = simulate(&args);
+            assert_eq!(checked, row, "the run is the same");
+            assert_eq!(parts, number(&row, "l2_accesses"), "each look-up is of a part that is read");
+        }
+    }
+    let text = stdout_of(&args(&room_arg(), &["--check-bytes"]));
+    assert!(text.contains(" parts compared with the bytes of the host, 0 differ"), "{text}");
+}

@@ -2,8 +2,10 @@
 
 mod support;
 
-use saarcor_model::time::{ChipConfig, Operation, Programs, SdramConfig, TimingReport, Version, simulate};
-use saarcor_model::vm::{HostAddr, Unit};
+use saarcor_model::time::{
+    CardAccess, Chip, ChipConfig, Operation, Programs, SdramConfig, TimingReport, Version, simulate,
+};
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr, Policy, Unit};
 use support::{operation, scattered, standard, sums_hold};
 
 fn programs(packets: &[&[Operation]]) -> Programs {
@@ -100,4 +102,68 @@ fn chips_that_cannot_be_are_refused() {
     assert!(refused(&|config| config.metadata_cache.bytes = 48).contains("power of two"));
     assert!(refused(&|config| config.pci.beat_bytes = 0).contains("at least 1"));
     standard(Version::None).check().expect("a chip");
+}
+
+/// The worked table of SPEC.md (CH-13 to CH-15): lines that are evicted in flight, and a part that hits
+/// before its line is loaded again.
+#[test]
+fn worked_table_is_what_the_chip_does() {
+    let geometry = Geometry::new(Bytes(256), Bytes(64), 2).expect("legal");
+    let cache = CacheConfig { geometry, hash: Hash::Low, policy: Policy::Lru };
+    let config = ChipConfig { threads: 1, ..ChipConfig::standard(Version::A, cache) };
+    let line = |addr| operation(Unit::Shading, addr, 64, 1);
+    let before = [programs(&[&[line(0), line(0x80)]])];
+    let packets = [
+        operation(Unit::Traversal, 0, 8, 1),
+        operation(Unit::List, 0x100, 4, 1),
+        operation(Unit::Shading, 0x180, 4, 1),
+        operation(Unit::Traversal, 8, 8, 1),
+    ];
+    let programs = programs(&packets.each_ref().map(std::slice::from_ref));
+    let mut chip = Chip::new(&before, &programs, &config).expect("a chip");
+    let (mut seen, mut l2, mut lines) = (0, chip.report.l2, [0; 2]);
+    let mut rows = Vec::new();
+    let mut row = |cycle: u64, phase: u32, what: Option<String>, lines: [u32; 2]| {
+        let what = what.map(|what| format!("| {cycle} | {phase} | {what} | {}, {} |\n", lines[0], lines[1]));
+        rows.extend(what);
+    };
+    loop {
+        let has_ended = chip.cycle(|phase, chip| {
+            for &access in &chip.card[seen..] {
+                let what = match access {
+                    CardAccess::Write(load) => {
+                        lines[load.card as usize / 64] = load.line.0;
+                        format!("line {} is written to place {}", load.line.0, load.card / 64)
+                    }
+                    CardAccess::Read { part, card } => {
+                        format!("the part at {:x} is read at place {}", part.addr.0, card / 64)
+                    }
+                };
+                // What the picture before left there was written before the first cycle.
+                let is_before = chip.report.l2.accesses == 0;
+                row(chip.now, phase, (!is_before).then_some(what), lines);
+            }
+            seen = chip.card.len();
+            let taken = chip.report.l2;
+            if taken.accesses > l2.accesses {
+                let addr = packets[l2.accesses as usize].addr.0;
+                let found = match taken.misses > l2.misses {
+                    true => format!("misses, load {}", l2.misses),
+                    false => "hits".to_owned(),
+                };
+                let what = format!("the part at {addr:x} is taken: line {} {found}", addr / 64);
+                row(chip.now, phase, Some(what), lines);
+                l2 = taken;
+            }
+        });
+        if has_ended {
+            break;
+        }
+    }
+    row(chip.now, 5, Some("all packets have ended".to_owned()), lines);
+    let spec = include_str!("../../SPEC.md");
+    let (_, table) = spec.split_once("<!-- worked table -->\n").expect("its begin");
+    let (table, _) = table.split_once("<!-- end of worked table -->").expect("its end");
+    let head = "| cycle | phase | what happens | lines at places 0 and 1 |\n|---|---|---|---|\n";
+    assert_eq!(table, format!("{head}{}", rows.concat()));
 }

@@ -22,6 +22,7 @@
 //! | [`flat::FlatMemory`] | that the virtual memory is transparent |
 //! | [`cache::NaiveCache`] | hits, misses, ways, victims and counters |
 //! | [`cache::NaiveVirtualMemory`] | which bytes a unit receives, and as of when |
+//! | [`card::CardShadow`] | that each part that the chip in time reads is the host's |
 //! | [`metadata::NaiveTags`] | the metadata of version B, and what of it moves |
 //! | [`search::closest_hit`] | kd-tree traversal |
 //! | [`exact::judge`], [`exact::closest`] | triangle tests, and what a ray hits first |
@@ -32,6 +33,7 @@
 pub mod bounded;
 pub mod bvh;
 pub mod cache;
+pub mod card;
 pub mod embree;
 pub mod exact;
 pub mod flat;

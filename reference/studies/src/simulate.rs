@@ -13,11 +13,14 @@ use glam::Vec3;
 use image::RgbImage;
 use rayon::prelude::*;
 use saarcor_fast::adaptive::FilteredIntersection;
+use saarcor_fast::chip::{ChipObserver, simulate_observed};
 use saarcor_model::rays::{Frame, Pipeline, RayCounts};
 use saarcor_model::time::{
-    CacheReport, ChipConfig, Program, Programs, Recorder, Stall, TimingReport, UNIT_NAMES, UnitReport,
+    CacheReport, ChipConfig, ConfigError, Load, Program, Programs, Recorder, Stall, TimingReport, UNIT_NAMES,
+    UnitReport,
 };
-use saarcor_model::vm::{Observed, WholeScene};
+use saarcor_model::vm::{HostAddr, Observed, WholeScene};
+use saarcor_oracles::card::CardShadow;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -142,6 +145,37 @@ impl ForPackets for TracePackets<'_> {
                 each(TracedPacket { program, pixels: &pixels, rays });
             }
         }
+    }
+}
+
+/// [`simulate`](saarcor_fast::chip::simulate), with a shadow of the card: each part that the chip reads
+/// from the card is compared with the bytes of `host`, the image of the scene. The shadow knows how many
+/// were compared, and the first that differs.
+///
+/// # Errors
+/// If the configuration makes no chip.
+pub fn simulate_checked<'a>(
+    before: &[Programs],
+    programs: &Programs,
+    config: &ChipConfig,
+    host: &'a [u8],
+) -> Result<(TimingReport, CardShadow<'a>), ConfigError> {
+    config.check()?;
+    let mut observer = Shadowed(CardShadow::new(host, config));
+    let report = simulate_observed(before, programs, config, &mut observer)?;
+    Ok((report, observer.0))
+}
+
+/// Keeps a shadow of the card.
+struct Shadowed<'a>(CardShadow<'a>);
+
+impl ChipObserver for Shadowed<'_> {
+    fn line_is_written(&mut self, _: u64, load: Load) {
+        self.0.write(load);
+    }
+
+    fn part_is_read(&mut self, now: u64, addr: HostAddr, bytes: u64, card: u64) {
+        self.0.read(now, addr, bytes, card);
     }
 }
 

@@ -5,19 +5,23 @@ use crate::args::{CacheArgs, ChipArgs, SceneArgs, TraceArgs, describe};
 use crate::limits::check_state;
 use crate::output::{OutFile, Stdout, json_line, write_png};
 use crate::progress::Progress;
+use crate::status::Status;
 use crate::table::{Column, Table};
 use crate::{sample, summary};
 use anyhow::Result;
 use saarcor_fast::chip::simulate;
 use saarcor_model::time::{ChipConfig, Programs, UNIT_NAMES, Version};
 use saarcor_model::vm::Bytes;
+use saarcor_oracles::card::CardShadow;
 use saarcor_paper::mb;
 use saarcor_studies::names::version_name;
 use saarcor_studies::sampling::plan::SampleFraction;
 use saarcor_studies::sampling::simulate::{SampledFrame, simulate_sample};
-use saarcor_studies::simulate::{Recording, TimingRow, record, record_before};
+use saarcor_studies::simulate::{Recording, TimingRow, record, record_before, simulate_checked};
 use saarcor_studies::summary::Summary;
 use saarcor_studies::world::World;
+use serde::Serialize;
+use std::io::Write as _;
 use std::path::PathBuf;
 
 /// A frame, and the chip that it is simulated on.
@@ -88,14 +92,31 @@ pub struct Args {
     /// Works on a part of the packets in full, such as 1/8, and prints estimates with intervals of 95 %
     #[arg(long, value_name = "F", conflicts_with = "out")]
     sample: Option<SampleFraction>,
+    /// Compares each part of a line that the chip reads from the card with the bytes of the host
+    ///
+    /// The run carries a shadow of the card's contents. It says how many parts were compared; the
+    /// first that differs is named on standard error, and the exit status is 1.
+    #[arg(long, conflicts_with = "sample")]
+    check_bytes: bool,
     /// Prints one JSON object
     #[arg(long)]
     json: bool,
 }
 
+/// A row, and what a comparison with the host's bytes found.
+#[derive(Debug, Serialize)]
+struct CheckedRow<'a> {
+    #[serde(flatten)]
+    row: &'a TimingRow,
+    /// Parts that were compared with the bytes of the host.
+    parts_checked: u64,
+    /// Parts that differ.
+    parts_wrong: u64,
+}
+
 impl Args {
     /// Simulates, and prints what the frame took.
-    pub fn run(self, progress: &Progress) -> Result<()> {
+    pub fn run(self, progress: &Progress) -> Result<Status> {
         let config = self.frame.config()?;
         let file = self.out.as_deref().map(OutFile::check).transpose()?;
         let world = self.auto.open(&self.frame.scene, Some(self.frame.frame), progress)?;
@@ -124,23 +145,42 @@ impl Args {
                 ))?;
                 out.line(sample::table(&row))?;
             }
-            return out.finish();
+            return out.finish().map(|()| Status::Holds);
         }
         let (before, recording) = self.frame.record(&world, progress);
-        let report = progress.during("chip", |_| simulate(&before, &recording.programs, &config))?;
+        let programs = &recording.programs;
+        let (report, shadow) = progress.during("chip", |_| match self.check_bytes {
+            false => simulate(&before, programs, &config).map(|report| (report, None)),
+            true => simulate_checked(&before, programs, &config, &world.image.bytes)
+                .map(|(report, shadow)| (report, Some(shadow))),
+        })?;
         if let Some(file) = file {
             file.write(|out| write_png(&recording.picture.pixels, out))?;
         }
         let FrameArgs { scene, frame, .. } = &self.frame;
         let row = TimingRow::new(&scene.scene, *frame, recording.picture.rays.total(), &config, &report);
-        if self.json {
-            json_line(&mut out, &row)?;
-        } else {
-            for part in text(&row) {
-                out.line(part)?;
+        match (&shadow, self.json) {
+            (None, true) => json_line(&mut out, &row)?,
+            (Some(CardShadow { parts, wrong, .. }), true) => {
+                let row = CheckedRow { row: &row, parts_checked: *parts, parts_wrong: *wrong };
+                json_line(&mut out, &row)?;
+            }
+            (_, false) => {
+                for part in text(&row) {
+                    out.line(part)?;
+                }
+                if let Some(CardShadow { parts, wrong, .. }) = &shadow {
+                    out.line(format_args!(
+                        "{parts} parts compared with the bytes of the host, {wrong} differ"
+                    ))?;
+                }
             }
         }
-        out.finish()
+        out.finish()?;
+        let Some(difference) = shadow.and_then(|shadow| shadow.first) else { return Ok(Status::Holds) };
+        // Where standard error is closed, the status has to do.
+        let _ = writeln!(std::io::stderr(), "saarcor: not the bytes of the host: {difference}");
+        Ok(Status::Disproved)
     }
 }
 

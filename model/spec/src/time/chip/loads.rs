@@ -42,12 +42,14 @@ pub struct Loads<Part> {
     pub waiting: Vec<(LoadId, Part)>,
 }
 
-impl<Part> Loads<Part> {
+impl<Part> Default for Loads<Part> {
     /// No line was missed yet.
-    pub fn new() -> Self {
+    fn default() -> Self {
         Self { in_flight: VecDeque::new(), arrived: 0, waiting: Vec::new() }
     }
+}
 
+impl<Part> Loads<Part> {
     /// The directory places a part's line, which is missed or resident. A missed line is loaded to its
     /// place, whatever is in flight; the load that brings a resident line is its latest, if that is in
     /// flight. The load that brings the part's line.

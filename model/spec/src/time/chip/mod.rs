@@ -108,7 +108,7 @@ impl<'a> Chip<'a> {
             caches: Turn::default(),
             tags: tags(config),
             pending: VecDeque::new(),
-            loads: Loads::new(),
+            loads: Loads::default(),
             card: Vec::new(),
             pci: Pci::new(config.pci),
             sdram: Sdram::new(config.sdram),
