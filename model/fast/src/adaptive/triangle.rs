@@ -6,6 +6,7 @@ use super::expansion::{two_product, two_sum};
 use super::grid::Grid;
 use super::volumes::Volumes;
 use glam::{DVec3, Vec3};
+use saarcor_model::host::Axis;
 use saarcor_model::rays::{Ray, Triple};
 use std::cmp::Ordering;
 
@@ -155,7 +156,7 @@ impl AdaptiveTriangle {
             ((left.0 - right.0) + (left.1 - right.1), left.0.abs() + right.0.abs())
         });
         let normal = minors.map(|(value, _)| value);
-        let axis = dominant_axis(normal);
+        let axis = Axis::of_greatest(normal.map(f64::abs)) as usize;
         let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
         let area = normal[axis];
         let products = minors.iter().fold(0.0, |largest, (_, size)| size.max(largest));
@@ -286,18 +287,6 @@ fn exact_error(t: f64) -> f64 {
 #[inline(always)]
 fn sub(a: Triple<f64>, b: Triple<f64>) -> Triple<f64> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-/// The axis of the component of greatest magnitude, of several the first.
-fn dominant_axis(vector: Triple<f64>) -> usize {
-    let [x, y, z] = vector.map(f64::abs);
-    if x >= y && x >= z {
-        0
-    } else if y >= z {
-        1
-    } else {
-        2
-    }
 }
 
 /// The least of three numbers, NaN if the last is.

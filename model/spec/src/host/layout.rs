@@ -22,7 +22,7 @@ use super::node::{NODE_BYTES, NodeRecord};
 use super::records::{MaterialRecord, ShadingRecord};
 use super::scene::{Light, Material, Scene, Texture};
 use super::texture::{TEXTURE_ALIGNMENT, TextureRecord};
-use super::tree::{Aabb, KdTree, KdTreeError, Node};
+use super::tree::{Aabb, KdTree, KdTreeError};
 use super::triangle::{Kernel, TRIANGLE_BYTES};
 use crate::vm::{Bytes, HostAddr};
 use glam::{Vec2, Vec3};
@@ -129,19 +129,14 @@ impl HostImage {
                 + triangle_ids.len() as u64 * u64::from(features.shading_record_bytes()),
             texture_bytes(features.mip_maps),
         ];
-        let mut starts = [0_u64; 6];
-        for (region, &bytes) in region_bytes.iter().enumerate() {
-            starts[region + 1] = (starts[region] + bytes).next_multiple_of(u64::from(REGION_ALIGNMENT));
-        }
-        if starts[5] > 1 << 32 {
-            return Err(LayoutError::TooLarge(Bytes(starts[5])));
-        }
+        let region_bytes = region_bytes.map(Bytes);
+        let starts = region_starts(region_bytes)?;
         let [nodes, lists, triangles, materials, texels, _] = starts.map(|start| start as u32);
         let shading = materials + scene.materials.len() as u32 * features.material_bytes();
 
         let mut bytes = Vec::with_capacity(starts[5] as usize);
         for node in &tree.nodes {
-            bytes.extend(node_record(node, HostAddr(nodes), HostAddr(lists)).encode());
+            bytes.extend(NodeRecord::new(node, HostAddr(nodes), HostAddr(lists)).encode());
         }
         bytes.resize(starts[1] as usize, 0);
         for &triangle in &tree.refs {
@@ -187,7 +182,7 @@ impl HostImage {
         Ok(Self {
             bytes,
             registers,
-            region_bytes: region_bytes.map(Bytes),
+            region_bytes,
             mip_map_bytes: Bytes(texture_bytes(features.mip_maps) - texture_bytes(false)),
             triangle_ids,
         })
@@ -204,6 +199,22 @@ impl Registers {
     pub fn triangle_index(&self, addr: HostAddr) -> u32 {
         (addr.0 - self.triangles.0) / TRIANGLE_BYTES
     }
+}
+
+/// Where regions of so many bytes begin, and where the last one ends with the padding behind it: each
+/// at the first multiple of [`REGION_ALIGNMENT`] behind the one before (HI-2, Assumed).
+///
+/// # Errors
+/// If they leave the 32-bit host address space.
+pub fn region_starts(region_bytes: [Bytes; 5]) -> Result<[u64; 6], LayoutError> {
+    let mut starts = [0; 6];
+    for (region, bytes) in region_bytes.into_iter().enumerate() {
+        starts[region + 1] = (starts[region] + bytes.0).next_multiple_of(REGION_ALIGNMENT.into());
+    }
+    if starts[5] > 1 << 32 {
+        return Err(LayoutError::TooLarge(Bytes(starts[5])));
+    }
+    Ok(starts)
 }
 
 /// The lights with intensities that add up to 1 at most, so that no surface is brighter than its
@@ -274,18 +285,6 @@ fn texture_records(
     records
 }
 
-/// A node of the tree, in a host memory where nodes and lists begin there.
-fn node_record(node: &Node, nodes: HostAddr, lists: HostAddr) -> NodeRecord {
-    match *node {
-        Node::Inner { axis, split, children } => {
-            NodeRecord::Inner { axis, split, below: nodes.offset(children * NODE_BYTES) }
-        }
-        Node::Leaf { first, count } => {
-            NodeRecord::Leaf { list: lists.offset(first * LIST_ENTRY_BYTES), count }
-        }
-    }
-}
-
 /// A material, whose textures lie where `textures` says.
 fn material_record(material: &Material, textures: &[Option<TextureRecord>]) -> MaterialRecord {
     let record = |texture: Option<u32>| texture.and_then(|index| textures[index as usize]);
@@ -329,8 +328,8 @@ fn texture_density(corners: &[Vec3; 3], uv: &[Vec2; 3]) -> f32 {
     ((tb - ta).perp_dot(tc - ta).abs() / (b - a).cross(c - a).length()) as f32
 }
 
-/// Unit vector in the triangle's plane along which the first texture coordinate grows; zero where
-/// the texture coordinates span no area.
+/// Unit vector in the triangle's plane along which the first texture coordinate grows. Where the
+/// texture coordinates span no area, it is one along which neither grows, or zero.
 fn tangent(corners: &[Vec3; 3], uv: &[Vec2; 3]) -> Vec3 {
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     let [ta, tb, tc] = uv.map(Vec2::as_dvec2);
@@ -343,7 +342,7 @@ fn tangent(corners: &[Vec3; 3], uv: &[Vec2; 3]) -> Vec3 {
 mod tests {
     use super::*;
     use crate::host::scene::{TexelFormat, Triangle};
-    use crate::host::tree::Axis;
+    use crate::host::tree::{Axis, Node};
 
     /// Two triangles, one of them with every feature that a surface can have.
     fn scene() -> Scene {

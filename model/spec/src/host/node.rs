@@ -1,6 +1,7 @@
 //! kd-nodes in host memory (KD-1).
 
-use super::tree::Axis;
+use super::list::LIST_ENTRY_BYTES;
+use super::tree::{Axis, Node};
 use crate::vm::HostAddr;
 
 /// Bytes of a kd-node (Assumed, after Wald et al. 2001).
@@ -28,6 +29,16 @@ pub enum NodeRecord {
 }
 
 impl NodeRecord {
+    /// A node of the tree, in a host memory where nodes and lists begin there (HI-2).
+    pub fn new(node: &Node, nodes: HostAddr, lists: HostAddr) -> Self {
+        match *node {
+            Node::Inner { axis, split, children } => {
+                Self::Inner { axis, split, below: nodes.offset(children * NODE_BYTES) }
+            }
+            Node::Leaf { first, count } => Self::Leaf { list: lists.offset(first * LIST_ENTRY_BYTES), count },
+        }
+    }
+
     /// Reads a node: the split plane or the count, then an address whose two lowest bits are the
     /// axis, or 3 for a leaf (KD-1, Assumed).
     pub fn decode(bytes: [u8; NODE_BYTES as usize]) -> Self {

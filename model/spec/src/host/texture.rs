@@ -29,7 +29,7 @@ impl TextureRecord {
     /// needs is likely in the same line (after Hakura and Gupta 1997).
     pub fn place(&self, column: u32, row: u32) -> u32 {
         let above = row / BAND * BAND;
-        above * self.width + column * BAND.min(self.height - above) + row - above
+        above * self.width + column * BAND.min(self.height - above) + (row - above)
     }
 
     /// Levels of the texture's mip map (Williams 1983): each has half the columns and half the rows

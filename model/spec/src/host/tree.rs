@@ -23,6 +23,17 @@ pub enum Axis {
 impl Axis {
     /// The axes in the order of the coordinates.
     pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
+
+    /// The axis of the greatest of three magnitudes, of several the first.
+    pub fn of_greatest<R: PartialOrd>([x, y, z]: [R; 3]) -> Self {
+        if x >= y && x >= z {
+            Self::X
+        } else if y >= z {
+            Self::Y
+        } else {
+            Self::Z
+        }
+    }
 }
 
 /// A closed box along the axes.

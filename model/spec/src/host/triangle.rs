@@ -1,7 +1,7 @@
 //! Triangles in host memory: 36 bytes, whose meaning depends on the chip's triangle test (HI-3).
 
 use super::tree::Axis;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 /// Bytes of a triangle (Derived: 144 KB of cache are 4096 of them).
 pub const TRIANGLE_BYTES: u32 = 36;
@@ -90,7 +90,7 @@ impl Projection {
         let [a, b, c] = corners.map(Vec3::as_dvec3);
         let (to_b, to_c) = (b - a, c - a);
         let normal = to_b.cross(to_c);
-        let axis = dominant_axis(normal);
+        let axis = Axis::of_greatest(normal.abs().to_array());
         let (k, p, q) = (axis as usize, (axis as usize + 1) % 3, (axis as usize + 2) % 3);
         // The area in projection is the normal's component along the axis.
         let area = normal[k];
@@ -107,18 +107,6 @@ impl Projection {
             (a[p] * to_b[q] - a[q] * to_b[p]) / area,
         ];
         Self { axis, words }
-    }
-}
-
-/// The axis of the component of greatest magnitude, of several the first.
-fn dominant_axis(vector: DVec3) -> Axis {
-    let [x, y, z] = vector.abs().to_array();
-    if x >= y && x >= z {
-        Axis::X
-    } else if y >= z {
-        Axis::Y
-    } else {
-        Axis::Z
     }
 }
 

@@ -87,15 +87,3 @@ pub(super) fn cross<R: Number>(a: Triple<R>, b: Triple<R>) -> Triple<R> {
 pub(super) fn dot<R: Number>(a: Triple<R>, b: Triple<R>) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
-
-/// The axis of the component of greatest magnitude, of several the first.
-pub(super) fn dominant_axis<R: Number>(vector: Triple<R>) -> usize {
-    let [x, y, z] = vector.map(Number::abs);
-    if x >= y && x >= z {
-        0
-    } else if y >= z {
-        1
-    } else {
-        2
-    }
-}

@@ -1,7 +1,8 @@
 //! The watertight test of Woop, Benthin and Wald (2013).
 
-use super::number::{Number, Triple, dominant_axis, sub};
+use super::number::{Number, Triple, sub};
 use super::triangle_test::{Candidate, TriangleTest, same_sign};
+use crate::host::Axis;
 use glam::Vec3;
 use std::cmp::Ordering;
 
@@ -59,7 +60,7 @@ impl<R: Number> TriangleTest<R> for WatertightTriangle<R> {
 
     fn ray(origin: Triple<f32>, direction: Triple<f32>) -> Self::Ray {
         let direction = direction.map(R::from_f32);
-        let axis = dominant_axis(direction);
+        let axis = Axis::of_greatest(direction.map(Number::abs)) as usize;
         let [x, y, z] = permuted(direction, axis);
         ShearedRay { origin: origin.map(R::from_f32), axis, shear: [x / z, y / z, R::ONE / z] }
     }
