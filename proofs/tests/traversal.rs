@@ -12,15 +12,10 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{TestCaseError, TestRunner};
-use saarcor_model::host::{
-    Aabb, Axis, HostImage, KdTree, Kernel, MAX_DEPTH, Material, NODE_BYTES, Node, Scene, TRIANGLE_BYTES,
-    Triangle,
-};
-use saarcor_model::rays::{EdgeTriangle, Hits, Packet, Query, Ray, Traversal, TriangleTest, widen};
-use saarcor_model::vm::{HostAddr, Observed, Observer, Unit};
-use saarcor_oracles::flat::FlatMemory;
-use saarcor_oracles::search::closest_hit;
+use saarcor_model::host::{Aabb, Axis, HostImage, KdTree, Kernel, Node, Triangle};
+use saarcor_model::rays::{Hits, Packet, Query, Ray, Traversal, widen};
 use support::engine;
+use support::rays::{across, agrees, along, lay_out, lay_out_for, observed};
 
 /// Where a node cuts space.
 #[derive(Clone, Copy, Debug)]
@@ -137,81 +132,6 @@ fn rays() -> impl Strategy<Value = Ray> {
 fn packets<const N: usize>() -> impl Strategy<Value = [Option<Ray>; N]> {
     vec(prop::option::weighted(0.8, rays()), N)
         .prop_map(|rays| rays.try_into().expect("as many as asked for"))
-}
-
-fn lay_out(triangles: Vec<Triangle>, tree: &KdTree) -> HostImage {
-    let scene = Scene { triangles, materials: vec![Material::default()], ..Scene::default() };
-    HostImage::build(&scene, tree, Kernel::MollerTrumbore).expect("a valid tree")
-}
-
-/// Notes the nodes that are read, and counts the triangles.
-#[derive(Default)]
-struct Reads {
-    nodes: Vec<u32>,
-    triangles: usize,
-}
-
-impl Observer for Reads {
-    fn read(&mut self, unit: Unit, addr: HostAddr, _bytes: usize) {
-        match unit {
-            Unit::Traversal => self.nodes.push(addr.0 / NODE_BYTES),
-            Unit::Intersection => self.triangles += 1,
-            Unit::List | Unit::Shading => {}
-        }
-    }
-}
-
-/// The host's memory, read under observation.
-fn observed(image: &HostImage) -> Observed<FlatMemory<'_>, Reads> {
-    Observed { memory: FlatMemory::new(&image.bytes), observer: Reads::default() }
-}
-
-/// Distance and address of the hit that the search finds: of several at one distance, the one at
-/// the lowest address.
-fn search(triangles: &[Triangle], image: &HostImage, ray: &Ray) -> Option<(f32, u32)> {
-    let closest = closest_hit(triangles, |triangle| distance(triangle, ray))?;
-    let place = image.triangle_ids.iter().position(|id| closest.triangles.contains(id));
-    let place = place.expect("each triangle is in a list") as u32;
-    Some((closest.t, image.registers.triangles.0 + place * TRIANGLE_BYTES))
-}
-
-fn distance(triangle: &Triangle, ray: &Ray) -> Option<f32> {
-    let from = EdgeTriangle::<f32>::ray(ray.origin.to_array(), ray.direction.to_array());
-    let found = EdgeTriangle::new(&triangle.corners).intersect(&from);
-    (found.inside && found.t >= ray.t_min && found.t < ray.t_max).then_some(found.t)
-}
-
-/// Both queries of one packet against the search; returns the number of hits.
-fn agrees<const N: usize>(
-    traversal: &mut Traversal<N>,
-    triangles: &[Triangle],
-    image: &HostImage,
-    rays: &[Option<Ray>; N],
-) -> Result<usize, TestCaseError> {
-    let packet = Packet::new(*rays);
-    let mut memory = observed(image);
-    let closest: Hits<N> = traversal.run(&mut memory, &image.registers, &packet, Query::Closest);
-    memory.observer.nodes.sort_unstable();
-    prop_assert!(
-        memory.observer.nodes.is_sorted_by(|a, b| a < b),
-        "a node is read twice: {:?}",
-        memory.observer.nodes
-    );
-    let any = traversal.run(&mut memory, &image.registers, &packet, Query::Any);
-    let mut hits = 0;
-    for (lane, ray) in rays.iter().enumerate() {
-        let expected = ray.and_then(|ray| search(triangles, image, &ray));
-        let found = closest.is_hit(lane).then(|| (closest.t[lane], closest.triangle[lane]));
-        prop_assert_eq!(found, expected, "closest hit of {:?}", ray);
-        prop_assert_eq!(any.is_hit(lane), expected.is_some(), "any hit of {:?}", ray);
-        if let (true, Some(ray)) = (any.is_hit(lane), ray) {
-            let id = image.triangle_id(HostAddr(any.triangle[lane]));
-            let triangle = &triangles[id as usize];
-            prop_assert!(distance(triangle, ray).is_some(), "{:?} does not hit {:?}", ray, triangle);
-            hits += 1;
-        }
-    }
-    Ok(hits)
 }
 
 /// The nodes that packets read, naively: by recursion, each ray's interval in f64, widened by
@@ -372,16 +292,18 @@ proptest! {
         alone in vec(packets::<1>(), 40),
         four in vec(packets::<4>(), 10),
         many in packets::<16>(),
+        whole in packets::<64>(),
     ) {
         let image = lay_out(triangles.clone(), &tree(&triangles, &cuts));
-        let (mut by_one, mut by_four, mut by_many) = (Traversal::default(), Traversal::default(), Traversal::default());
+        let (mut by_one, mut by_four) = (Traversal::default(), Traversal::default());
         for ray in &alone {
             agrees(&mut by_one, &triangles, &image, ray)?;
         }
         for rays in &four {
             agrees(&mut by_four, &triangles, &image, rays)?;
         }
-        agrees(&mut by_many, &triangles, &image, &many)?;
+        agrees(&mut Traversal::default(), &triangles, &image, &many)?;
+        agrees(&mut Traversal::default(), &triangles, &image, &whole)?;
     }
 
     #[test]
@@ -414,6 +336,7 @@ proptest! {
         cuts in cuts(),
         alone in vec(packets::<1>(), 20),
         four in vec(packets::<4>(), 10),
+        whole in packets::<64>(),
     ) {
         let tree = without_lists(tree(&triangles, &cuts));
         let image = lay_out(triangles, &tree);
@@ -423,6 +346,41 @@ proptest! {
         }
         for rays in &four {
             reads_what_is_met(&mut by_four, &tree, &image, rays)?;
+        }
+        reads_what_is_met(&mut Traversal::default(), &tree, &image, &whole)?;
+        // Each operation has those rays that are in the cell: as many as go there alone.
+        let mut memory = observed(&image);
+        Traversal::default().run(&mut memory, &image.registers, &Packet::new(whole), Query::Closest);
+        let mut visits = 0;
+        for ray in whole {
+            let mut memory = observed(&image);
+            by_one.run(&mut memory, &image.registers, &Packet::new([ray]), Query::Closest);
+            visits += memory.observer.nodes.len() as u64;
+        }
+        prop_assert_eq!(memory.observer.rays, visits, "rays of all operations of a packet");
+    }
+
+    #[test]
+    fn rays_of_a_packet_hit_what_they_hit_alone(
+        triangles in triangles(),
+        cuts in cuts(),
+        whole in packets::<64>(),
+        kernel in 0..5_usize,
+        any in any::<bool>(),
+    ) {
+        let image = lay_out_for(triangles.clone(), &tree(&triangles, &cuts), Kernel::ALL[kernel]);
+        let query = if any { Query::Any } else { Query::Closest };
+        let mut memory = observed(&image);
+        let found: Hits<64> = Traversal::default().run(&mut memory, &image.registers, &Packet::new(whole), query);
+        let mut traversal = Traversal::<1>::default();
+        for (lane, ray) in whole.into_iter().enumerate() {
+            let alone = traversal.run(&mut memory, &image.registers, &Packet::new([ray]), query);
+            prop_assert_eq!(found.is_hit(lane), alone.is_hit(0), "lane {} of {:?}: {:?}", lane, Kernel::ALL[kernel], ray);
+            if !any {
+                let found = (found.t[lane], found.u[lane], found.v[lane], found.triangle[lane]);
+                let alone = (alone.t[0], alone.u[0], alone.v[0], alone.triangle[0]);
+                prop_assert_eq!(found, alone, "lane {} of {:?}: {:?}", lane, Kernel::ALL[kernel], ray);
+            }
         }
     }
 }
@@ -469,17 +427,6 @@ fn widening_encloses_the_distance() {
     }
 }
 
-/// A triangle across the x axis.
-fn across(x: f32) -> Triangle {
-    let corners = [Vec3::new(x, -9.0, -9.0), Vec3::new(x, 9.0, -9.0), Vec3::new(x, 0.0, 9.0)];
-    Triangle { corners, material: 0 }
-}
-
-fn along(x: f32, direction: f32) -> Ray {
-    let (origin, direction) = (Vec3::X * x, Vec3::X * direction);
-    Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
-}
-
 /// What lies behind a hit is not read, from either side, by either query.
 #[test]
 fn cells_behind_a_hit_are_not_read() {
@@ -508,28 +455,4 @@ fn cells_behind_a_hit_are_not_read() {
             );
         }
     }
-}
-
-/// The stack has room for the deepest tree that a driver may hand over, put off at every node.
-#[test]
-fn deepest_tree_is_walked() {
-    let depth = MAX_DEPTH as u32;
-    let triangles = vec![across(0.0), across(depth as f32)];
-    let bounds = Aabb::around(triangles.iter().flat_map(|triangle| triangle.corners));
-    // Each inner node is below the one before, and the plane nearer to the ray's origin.
-    let inner = |level: u32| Node::Inner {
-        axis: Axis::X,
-        split: (depth - level) as f32 - 0.5,
-        children: 2 * level + 1,
-    };
-    let empty = Node::Leaf { first: 0, count: 0 };
-    let mut nodes = vec![inner(0), inner(1), Node::Leaf { first: 0, count: 1 }];
-    nodes.extend((2..=depth).flat_map(|level| [if level < depth { inner(level) } else { empty }, empty]));
-    let tree = KdTree { bounds, nodes, refs: vec![1, 0] };
-    let image = lay_out(triangles, &tree);
-    let mut memory = observed(&image);
-    let packet = Packet::new([Some(along(-1.0, 1.0))]);
-    let hits = Traversal::<1>::default().run(&mut memory, &image.registers, &packet, Query::Closest);
-    assert!(hits.is_hit(0) && hits.t[0] == depth as f32 + 1.0);
-    assert_eq!(memory.observer.nodes.len(), tree.nodes.len());
 }

@@ -1,9 +1,13 @@
-//! Theorems of what lies in host memory: nodes, lists, the kd-tree.
+//! Theorems of what lies in host memory: what a scene needs, its items as bytes, and their addresses.
 
+pub mod features;
+pub mod layout;
 pub mod list;
 pub mod node;
+pub mod records;
 pub mod texture;
 pub mod tree;
+pub mod triangle;
 
 /// Bits of split planes: finite ones of all magnitudes, infinities and NaN.
 static PLANES: [u32; 10] = [

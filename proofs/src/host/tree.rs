@@ -4,7 +4,7 @@ use super::PLANES;
 use crate::draw::{self, BYTES, ENDS, WORDS};
 use crate::source::Source;
 use crate::{assume, check, check_eq, cover, theorems};
-use saarcor_model::host::{Axis, Node, check_nodes};
+use saarcor_model::host::{Aabb, Axis, KdTree, Node, check_nodes};
 use saarcor_model::rays::{Children, Stack};
 
 /// Nodes of the trees: the least number at which inner nodes are siblings, parent and child, and
@@ -14,6 +14,16 @@ const NODES: usize = 5;
 
 /// A leaf without triangles.
 const LEAF: Node = Node::Leaf { first: 0, count: 0 };
+
+/// Inner nodes on a path: few, around 64, and around the 8 bits in which levels are counted.
+static DEPTHS: [u32; 12] = [0, 1, 2, 3, 16, 32, 62, 63, 64, 65, 66, 90];
+
+/// Bits of corners of a box: numbers in ascending order, infinities and NaN.
+static CORNERS: [u32; 9] =
+    [0xff80_0000, 0xff7f_ffff, 0x8000_0001, 0x8000_0000, 0, 1, 0x7f7f_ffff, 0x7f80_0000, 0x7fc0_0000];
+
+/// Entries of lists, around 2^16.
+static ENTRIES: [u32; 7] = [0, 1, 2, 0xfffe, 0xffff, 0x1_0000, 0x1_0001];
 
 /// Five nodes, each a leaf or an inner node with children anywhere, in small scopes at some of
 /// `places`.
@@ -164,5 +174,68 @@ theorems! {
         let nodes = [Node::Inner { axis: Axis::Y, split: 0.0, children: 1 }, below, above];
         let result = check_nodes(&nodes, refs as usize, 1);
         check_eq!(result.is_ok(), end <= u64::from(refs), "{leaf:?} of {refs} entries: {result:?}");
+    }
+
+    /// The chip may be given a tree with 64 inner nodes on a path, and no tree with 65, whichever child goes
+    /// on at each node.
+    #["KD-2", not_for_kani "a path of 64 nodes is too long a loop", covers ["64 inner nodes", "65 inner nodes", "more", "few"]]
+    fn paths_have_up_to_64_inner_nodes(s) {
+        let depth = s.value("inner nodes on the path", 0..=90, &DEPTHS);
+        let turns = s.value("which child goes on", 0..=u64::MAX, &[0, u64::MAX, 0x9e37_79b9_7f4a_7c15]);
+        cover!(s, "64 inner nodes", depth == 64);
+        cover!(s, "65 inner nodes", depth == 65);
+        cover!(s, "more", depth > 65);
+        cover!(s, "few", depth < 60);
+        let mut nodes = vec![LEAF; 2 * depth as usize + 1];
+        let mut at = 0;
+        for level in 0..depth {
+            let children = 2 * level + 1;
+            nodes[at] = Node::Inner { axis: Axis::Z, split: 0.0, children };
+            at = (children + (turns >> (level % 64) & 1) as u32) as usize;
+        }
+        let bounds = Aabb { min: [0.0; 3].into(), max: [1.0; 3].into() };
+        let result = KdTree { bounds, nodes, refs: Vec::new() }.check(0);
+        check_eq!(result.is_ok(), depth <= 64, "{depth} inner nodes on a path: {result:?}");
+    }
+
+    /// The box around the scene is accepted exactly if all its coordinates are finite and none of the least
+    /// corner is greater than that of the greatest, even by the least step.
+    #["KD-2", not_for_kani "it allocates", covers ["accepted", "infinite", "NaN", "in the wrong order", "flat"]]
+    fn accepted_boxes_are_finite_and_in_order(s) {
+        let axis = s.value("axis", 0..=2, &BYTES[..3]) as usize;
+        let (low, high) = (s.value("bits of the least", 0..=u32::MAX, &CORNERS), s.value("bits of the greatest", 0..=u32::MAX, &CORNERS));
+        let (low, high) = (f32::from_bits(low), f32::from_bits(high));
+        cover!(s, "accepted", low.is_finite() && low < high && high.is_finite());
+        cover!(s, "infinite", low.is_infinite() || high.is_infinite());
+        cover!(s, "NaN", low.is_nan() || high.is_nan());
+        cover!(s, "in the wrong order", low > high);
+        cover!(s, "flat", low == high);
+        let (mut min, mut max) = ([0.0; 3], [1.0; 3]);
+        (min[axis], max[axis]) = (low, high);
+        let bounds = Aabb { min: min.into(), max: max.into() };
+        let result = KdTree { bounds, nodes: vec![LEAF], refs: Vec::new() }.check(0);
+        check_eq!(result.is_ok(), low.is_finite() && high.is_finite() && low <= high, "{bounds:?}: {result:?}");
+    }
+
+    /// A tree is accepted only if each entry of its lists, also the last and one that no leaf names, is a
+    /// triangle of the scene.
+    #["KD-2", not_for_kani "it allocates", covers ["no triangles", "the last triangle", "one behind the last", "the last entry"]]
+    fn accepted_entries_are_triangles_of_the_scene(s) {
+        let entries = s.value("entries", 0..=70_000, &ENTRIES);
+        let triangles = s.value("triangles", 0..=u32::MAX, &ENDS);
+        let at = s.value("an entry", 0..=70_000, &ENTRIES);
+        let triangle = s.value("its triangle", 0..=u32::MAX, &ENDS);
+        assume!(at < entries);
+        cover!(s, "no triangles", triangles == 0);
+        cover!(s, "the last triangle", triangles > 0 && triangle == triangles - 1);
+        cover!(s, "one behind the last", triangle == triangles);
+        cover!(s, "the last entry", at + 1 == entries && entries > 1);
+        let mut refs = vec![0; entries as usize];
+        refs[at as usize] = triangle;
+        let bounds = Aabb { min: [0.0; 3].into(), max: [1.0; 3].into() };
+        let result = KdTree { bounds, nodes: vec![LEAF], refs }.check(triangles as usize);
+        // The other entries name triangle 0.
+        let legal = triangle < triangles;
+        check_eq!(result.is_ok(), legal, "entry {at} of {entries} is triangle {triangle} of {triangles}: {result:?}");
     }
 }

@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each test file takes what it needs")]
 
+pub mod rays;
+
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use saarcor_model::vm::{Hash, Policy};
