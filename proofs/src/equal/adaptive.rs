@@ -75,19 +75,26 @@ fn are_near(found: f64, right: f64) -> bool {
     (found - right).abs() <= unit
 }
 
-/// What an intersection unit finds first of triangles at these addresses, one after the other.
-fn first_of(
-    unit: &mut impl IntersectionUnit<1>,
+/// Rays of a packet.
+const RAYS: usize = 4;
+
+/// What an intersection unit keeps of triangles at these addresses, one after the other, in cells of which each misses
+/// one lane, or none.
+fn kept(
+    unit: &mut impl IntersectionUnit<RAYS>,
     kernel: Kernel,
-    ray: &Ray,
+    packet: &Packet<RAYS>,
     query: Query,
-    triangles: [(u32, [Point; 3]); 2],
-) -> Hits<1> {
-    let packet = Packet::new([Some(*ray)]);
-    let mut hits = Hits::none(&packet);
-    for (addr, corners) in triangles {
+    triangles: &[(u32, [Point; 3], usize)],
+) -> Hits<RAYS> {
+    let mut hits = Hits::none(packet);
+    for &(addr, corners, missed) in triangles {
         let triangle = StoredTriangle::new(HostAddr(addr), kernel, &corners.map(Into::into));
-        unit.intersect(&triangle, &packet, &Intervals::EVERYWHERE, query, &mut hits);
+        let mut cell = Intervals::EVERYWHERE;
+        if missed < RAYS {
+            (cell.enter[missed], cell.leave[missed]) = (1.0, 0.0);
+        }
+        unit.intersect(&triangle, packet, &cell, query, &mut hits);
     }
     hits
 }
@@ -139,26 +146,34 @@ theorems! {
         }
     }
 
-    /// Of two triangles, the fast intersection unit keeps the one that the specified unit keeps,
-    /// whichever it is given first: the nearer one, and at the same distance the one at the lower address.
+    /// Of three triangles, each ray of a packet keeps in the fast intersection unit the one that it keeps in the
+    /// specified unit, in whatever order they come, with whatever was hit before, and where the ray begins or ends
+    /// at a hit: the nearer one, and at the same distance the one at the lower address, at the same distance and
+    /// weights to a unit in the last place.
     #[
         "IS-2", not_for_kani "it is arithmetic in floating point",
-        covers ["both hit", "at the same distance", "nearer by less than an f32", "one hit", "any hit"]
+        covers ["both hit", "at the same distance", "nearer by less than an f32", "one hit", "any hit", "cut off", "the third after a hit", "a ray of its own"]
     ]
     fn fast_intersection_unit_keeps_the_same_triangle(s) {
         let world = s.value("world", 0..=7, &WORDS[..8]);
         let origin = point(s, world, [&ZERO_AND_THREE, &ZERO_AND_THREE, &ZERO_AND_THREE[1..]]);
-        // Two triangles that share a corner.
+        // Two triangles that share a corner, and one that shares an edge with each of them.
         let a = point(s, world, [&WORDS[1..2], &WORDS[1..2], &MINUS_ONE_AND_ONE]);
-        let b = point(s, world, [&ONE_AND_TWO[..1], &MINUS_ONE_AND_ONE, &ZERO_AND_TWO]);
+        let b = point(s, world, [&ONE_AND_TWO[..1], &MINUS_ONE_AND_ONE[..1], &ZERO_AND_TWO]);
         let c = point(s, world, [&MINUS_ONE_AND_ONE, &ONE_AND_TWO[..1], &ZERO_AND_TWO[..1]]);
         let d = point(s, world, [&ONE_AND_TWO, &MINUS_ONE_AND_ONE, &ONE_AND_TWO]);
-        let e = point(s, world, [&MINUS_ONE_AND_ONE, &ONE_AND_TWO[..1], &ZERO_AND_TWO[..1]]);
+        let e = point(s, world, [&MINUS_ONE_AND_ONE[1..], &ONE_AND_TWO[..1], &ZERO_AND_TWO[..1]]);
         let ray = aimed(s, origin, [a, b, c]);
         let query = if s.value("query (closest, any)", 0..=1, &WORDS[..2]) == 0 { Query::Closest } else { Query::Any };
-        let (first, second) = ((72, [a, b, c]), (36, [a, d, e]));
+        let missed = s.value("lane that misses the first cell (4: none)", 0..=4, &WORDS[4..5]) as usize;
+        let (first, second, third) = ((72, [a, b, c], missed), (36, [a, d, e], 4), (108, [c, d, b], 4));
         let exact = |corners: [Point; 3]| ExactHit::new(&ray, &corners.map(Into::into));
-        let (p, q) = (exact(first.1), exact(second.1));
+        let (p, q, r) = (exact(first.1), exact(second.1), exact(third.1));
+        // Rays of which one ends and one begins where the first hit may be, and one of its own.
+        let at = p.map_or(1.0, |hit| hit.rounded()[0]);
+        let (ends, begins) = (Ray { t_max: at, ..ray }, Ray { t_min: at, ..ray });
+        let towards = Ray { direction: std::array::from_fn(|axis| e[axis] - origin[axis]).into(), ..ray };
+        let rays = [ray, ends, begins, towards];
         let equal = p.zip(q).is_some_and(|(p, q)| p.order(&q).is_eq());
         let near = p.zip(q).is_some_and(|(p, q)| p.rounded()[0] == q.rounded()[0] && !p.order(&q).is_eq());
         cover!(s, "both hit", p.is_some() && q.is_some());
@@ -166,12 +181,24 @@ theorems! {
         cover!(s, "nearer by less than an f32", near);
         cover!(s, "one hit", p.is_some() != q.is_some());
         cover!(s, "any hit", query == Query::Any && p.is_some());
-        for triangles in [[first, second], [second, first]] {
-            let specified = first_of(&mut Intersection::default(), Kernel::Adaptive, &ray, query, triangles);
-            let found = first_of(&mut FilteredIntersection::default(), Kernel::Adaptive, &ray, query, triangles);
-            check_eq!(found.triangle, specified.triangle, "{ray:?} and {triangles:?}, {query:?}");
-            let near = found.t == specified.t || are_near(found.t[0].into(), specified.t[0].into());
-            check!(near, "{ray:?} and {triangles:?}, {query:?}: at {:?}, not {:?}", found.t, specified.t);
+        let packet = Packet::new(rays.map(Some));
+        for triangles in [[first, second, third], [third, second, first]] {
+            let specified = kept(&mut Intersection::default(), Kernel::Adaptive, &packet, query, &triangles);
+            let found = kept(&mut FilteredIntersection::default(), Kernel::Adaptive, &packet, query, &triangles);
+            cover!(s, "cut off", specified.is_hit(0) && !specified.is_hit(1));
+            cover!(s, "the third after a hit", specified.triangle[0] == 108 && p.is_some() && r.is_some());
+            cover!(s, "a ray of its own", specified.is_hit(3) && specified.triangle[3] != specified.triangle[0]);
+            check_eq!(found.triangle, specified.triangle, "{rays:?} and {triangles:?}, {query:?}");
+            for lane in 0..RAYS {
+                let (found, specified) = ([found.t[lane], found.u[lane], found.v[lane]], [specified.t[lane], specified.u[lane], specified.v[lane]]);
+                let near = found[0] == specified[0] || are_near(found[0].into(), specified[0].into());
+                check!(near, "{:?} and {triangles:?}, {query:?}: at {}, not {}", rays[lane], found[0], specified[0]);
+                for weight in 1..3 {
+                    // A weight is a part of 1, rounded once more.
+                    let near = (found[weight] - specified[weight]).abs() <= 2.0 * f32::EPSILON;
+                    check!(near, "{:?} and {triangles:?}: weights of {found:?}, not {specified:?}", rays[lane]);
+                }
+            }
         }
     }
 
@@ -188,15 +215,20 @@ theorems! {
         let b = point(s, world, [&MINUS_ONE_AND_ONE, &MINUS_ONE_AND_ONE, &ONE_AND_TWO[..1]]);
         let c = point(s, world, [&ZERO_AND_TWO; 3]);
         let ray = aimed(s, origin, [a, b, c]);
-        let triangles = [(72, [a, b, c]), (36, [c, b, a])];
+        let triangles = [(72, [a, b, c], 4), (36, [c, b, a], 1), (108, [b, c, a], 2)];
         let axis = Kernel::Wald.record(&triangles[0].1.map(Into::into)).tag;
-        let specified = first_of(&mut Intersection::default(), Kernel::Wald, &ray, Query::Closest, triangles);
-        let found = first_of(&mut FilteredIntersection::default(), Kernel::Wald, &ray, Query::Closest, triangles);
+        let query = if s.value("query (closest, any)", 0..=1, &WORDS[..2]) == 0 { Query::Closest } else { Query::Any };
+        // The ray, and such as begin, or end, at its hit, and one from the other side.
+        let back = Ray { origin: ray.origin + ray.direction * 2.0, direction: -ray.direction, ..ray };
+        let rays = [ray, Ray { t_min: 1.0, ..ray }, Ray { t_max: 1.0, ..ray }, back];
+        let packet = Packet::new(rays.map(Some));
+        let specified = kept(&mut Intersection::default(), Kernel::Wald, &packet, query, &triangles);
+        let found = kept(&mut FilteredIntersection::default(), Kernel::Wald, &packet, query, &triangles);
         cover!(s, "axis x", axis == 0);
         cover!(s, "axis y", axis == 1);
         cover!(s, "axis z", axis == 2);
         cover!(s, "hit", specified.is_hit(0));
         cover!(s, "missed", !specified.is_hit(0));
-        check_eq!(found, specified, "{ray:?} and {triangles:?}");
+        check_eq!(found, specified, "{rays:?} and {triangles:?}");
     }
 }
