@@ -133,7 +133,7 @@ theorems! {
 
     /// A triangle's number is found from the address of any of its 36 bytes, wherever the triangles begin,
     /// up to the last one that the address space holds.
-    #["HI-3", unwind 4, covers ["the first triangle", "the last triangle", "bit 16 of the number", "its last byte"]]
+    #["HI-3", unwind 6, covers ["the first triangle", "the last triangle", "bit 16 of the number", "its last byte"]]
     fn triangles_are_numbered_by_their_addresses(s) {
         let (triangles, number) = item(s, TRIANGLE_BYTES)?;
         let byte = s.value("byte of the triangle", 0..=35, &WORDS[..36]);

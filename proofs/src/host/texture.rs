@@ -66,7 +66,7 @@ theorems! {
     /// four rows; the top of a column lies behind the bottom of the column before, and a band behind the last
     /// texel of the band before: so for textures of one texel, of 65536 a side, and of all sizes between.
     #[
-        "HI-2", unwind 5,
+        "HI-2", unwind 6,
         covers ["in a column", "from column to column", "from band to band", "in a last band of one row", "the last texel"]
     ]
     fn texels_follow_one_another(s) {
