@@ -48,7 +48,7 @@ impl<const N: usize> Intervals<N> {
 
     /// Number of rays that meet the cell.
     pub fn count(&self) -> u32 {
-        (0..N).filter(|&lane| self.meets(lane)).count() as u32
+        (0..N).map(|lane| u32::from(self.meets(lane))).sum()
     }
 
     /// The first ray that meets the cell.
