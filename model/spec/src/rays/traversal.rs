@@ -109,8 +109,10 @@ type Reciprocals<const N: usize> = [[f32; N]; 3];
 #[derive(Clone, Debug)]
 pub struct Traversal<const N: usize, I = Intersection<N>> {
     stack: Stack<Visit<N>, MAX_DEPTH>,
-    /// The children below and above the plane of the node at hand.
-    children: [Visit<N>; 2],
+    /// The node at hand.
+    at: Box<Visit<N>>,
+    /// Its children below and above the plane.
+    children: [Box<Visit<N>>; 2],
     intersection: I,
 }
 
@@ -124,7 +126,8 @@ impl<const N: usize, I: IntersectionUnit<N>> Traversal<N, I> {
     /// A traversal unit in front of another intersection unit than that of this specification.
     pub fn with(intersection: I) -> Self {
         let unused = Visit { node: HostAddr(0), intervals: Intervals::EMPTY };
-        Self { stack: Stack::new(unused), children: [unused; 2], intersection }
+        let (at, children) = (Box::new(unused), [Box::new(unused), Box::new(unused)]);
+        Self { stack: Stack::new(unused), at, children, intersection }
     }
 
     /// Leads `packet` through the tree and returns what its rays hit (KD-4).
@@ -146,60 +149,73 @@ impl<const N: usize, I: IntersectionUnit<N>> Traversal<N, I> {
         let reciprocal = reciprocals(registers, packet);
         let intervals = clip_to_bounds(registers, packet, &reciprocal);
         self.stack.begin(Visit { node: registers.root, intervals });
-        while let Some(mut at) = self.stack.resume() {
-            at.intervals.clip(&hits.t);
-            if !at.intervals.any() {
+        while let Some(next) = self.stack.resume() {
+            *self.at = next;
+            self.at.intervals.clip(&hits.t);
+            if !self.at.intervals.any() {
                 continue;
             }
             let (list, count) = loop {
-                memory.operation(Unit::Traversal, at.intervals.count());
-                match NodeRecord::decode(memory.fetch(Unit::Traversal, at.node)) {
+                memory.operation(Unit::Traversal, self.at.intervals.count());
+                match NodeRecord::decode(memory.fetch(Unit::Traversal, self.at.node)) {
                     NodeRecord::Inner { axis, split, below } => {
-                        self.descend(packet, &reciprocal, &mut at, axis, split, below);
+                        self.descend(packet, &reciprocal, axis, split, below);
                     }
                     NodeRecord::Leaf { list, count } => break (list, count),
                 }
             };
             for entry in 0..count {
-                memory.operation(Unit::List, at.intervals.count());
+                memory.operation(Unit::List, self.at.intervals.count());
                 let entry = memory.fetch(Unit::List, list.offset(entry * LIST_ENTRY_BYTES));
                 let ListEntry { triangle: addr, tag } = ListEntry::decode(entry);
-                memory.operation(Unit::Intersection, at.intervals.count());
+                memory.operation(Unit::Intersection, self.at.intervals.count());
                 let record = TriangleRecord::decode(memory.fetch(Unit::Intersection, addr), tag);
                 let triangle = StoredTriangle { addr, kernel: registers.kernel, record };
-                self.intersection.intersect(&triangle, packet, &at.intervals, query, &mut hits);
+                self.intersection.intersect(&triangle, packet, &self.at.intervals, query, &mut hits);
             }
         }
         hits
     }
 
-    /// One step at an inner node: goes `at` the child that is next, and puts the other off if any
-    /// ray meets it.
+    /// One step at an inner node: goes to the child that is next, and puts the other off if any ray
+    /// meets it.
     fn descend(
         &mut self,
         packet: &Packet<N>,
         reciprocal: &Reciprocals<N>,
-        at: &mut Visit<N>,
         axis: Axis,
         split: f32,
         below: HostAddr,
     ) {
         let axis = axis as usize;
         let (origin, reciprocal) = (&packet.origin[axis], &reciprocal[axis]);
-        let cell = &at.intervals;
-        let [low, high] = &mut self.children;
+        let Self { stack, at, children: [low, high], .. } = self;
         (low.node, high.node) = (below, below.offset(NODE_BYTES));
-        for lane in 0..N {
-            let t = widen((split - origin[lane]) * reciprocal[lane]);
-            let [in_low, in_high] =
-                visit(cell.enter[lane], cell.leave[lane], t, is_downwards(reciprocal[lane]));
-            (low.intervals.enter[lane], low.intervals.leave[lane]) = in_low;
-            (high.intervals.enter[lane], high.intervals.leave[lane]) = in_high;
-        }
+        let cell = &at.intervals;
+        cut(cell, split, origin, reciprocal, &mut low.intervals, &mut high.intervals);
         let visited = Children::met(low.intervals.any(), high.intervals.any(), || {
             cell.first().is_some_and(|lane| is_downwards(reciprocal[lane]))
         });
-        *at = if self.stack.descend(visited, low, high) { *high } else { *low };
+        let next = if stack.descend(visited, low, high) { high } else { low };
+        std::mem::swap(at, next);
+    }
+}
+
+/// Cuts the parts of the rays in a `cell` by the plane at `split`: into those `below` and `above` it.
+fn cut<const N: usize>(
+    cell: &Intervals<N>,
+    split: f32,
+    origin: &[f32; N],
+    reciprocal: &[f32; N],
+    below: &mut Intervals<N>,
+    above: &mut Intervals<N>,
+) {
+    for lane in 0..N {
+        let t = widen((split - origin[lane]) * reciprocal[lane]);
+        let [in_below, in_above] =
+            visit(cell.enter[lane], cell.leave[lane], t, is_downwards(reciprocal[lane]));
+        (below.enter[lane], below.leave[lane]) = in_below;
+        (above.enter[lane], above.leave[lane]) = in_above;
     }
 }
 
