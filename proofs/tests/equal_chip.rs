@@ -100,7 +100,8 @@ prop_compose! {
         (pipelines, threads) in (1_u32..4, 1_u32..5),
         units in prop::array::uniform4((1_u32..9, 0_u32..5)),
         l1 in prop::array::uniform4(any_l1()),
-        (tag_latency, return_latency) in (0_u32..4, 0_u32..4),
+        // Tags that take long are acted upon when lines have been evicted and asked for again.
+        (tag_latency, return_latency) in (0_u32..24, 0_u32..4),
         version in prop::sample::select(vec![Version::None, Version::A, Version::B]),
         cache in any_cache(),
         (granule, sets) in (prop::sample::select(vec![8, 16, 32]), prop::sample::select(vec![1, 2, 4])),
@@ -123,7 +124,7 @@ prop_compose! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// To the cycle, in all that is counted.
     #[test]
