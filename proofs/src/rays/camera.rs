@@ -20,7 +20,7 @@ fn camera() -> Camera {
 
 /// The lane and the packet of a pixel, by the definition of RG-2, and what the packet then says of the lane.
 fn pixel_is_there<const N: usize>(side: u32, frame: &Frame, (x, y): (u32, u32)) -> (u32, Option<(u32, u32)>) {
-    let columns = (frame.width() + side - 1) / side;
+    let columns = frame.width().div_ceil(side);
     let packet = y / side * columns + x / side;
     let lane = (y % side * side + x % side) as usize;
     (packet, frame.pixels::<N>(packet)[lane])
@@ -43,7 +43,7 @@ theorems! {
             log @ 0..=2 => (log, 1 << log),
             log => (log, 8),
         };
-        let tiles = |length: u32| (length + side - 1) / side;
+        let tiles = |length: u32| length.div_ceil(side);
         assume!(u64::from(tiles(width)) * u64::from(tiles(height)) <= u64::from(u32::MAX));
         let (packet, pixel) = match log {
             0 => pixel_is_there::<1>(side, &frame, (x, y)),

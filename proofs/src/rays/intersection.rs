@@ -125,7 +125,7 @@ theorems! {
         }
         let was = bits(&hits, lane);
         keep_nearest(Drawn { own: found, other }, HostAddr(addr), &packet, &cell, query, &mut hits);
-        let starts = t_min < found.t || t_min == found.t;
+        let starts = t_min <= found.t;
         let nearer = found.t < before || (found.t == before && addr < addr_before);
         let keeps = meets && found.inside && starts && found.t < t_max && nearer;
         let possible = meets && found.inside;
