@@ -124,6 +124,47 @@ pub fn set_of<S: Source, const WAYS: usize>(s: &mut S, policy: Policy) -> Result
     Ok(set)
 }
 
+/// Any legal set of many ways.
+///
+/// Small scope: way `w` holds line `w`, but for one way at most, which is free; LRU and FIFO have their order from any way
+/// on, and the bits of PLRU's tree are alike.
+pub fn wide_set<S: Source, const WAYS: usize>(s: &mut S) -> Result<(Policy, Set<WAYS>), Stop> {
+    s.size("ways", WAYS);
+    let policy = policy(s);
+    let mut set = Set::<WAYS>::empty(policy);
+    let free = s.value("free way", 0..=WAYS as u32, words(0, WAYS + 1)) as usize;
+    for way in 0..WAYS {
+        set.resident[way] = way != free && s.value("resident", 0..=1, &BYTES[1..2]) == 1;
+        set.lines[way] = LineAddr(s.value("line of a way", 0..=u32::MAX, &WORDS[way..=way]));
+    }
+    set.order = wide_order(s, policy);
+    assume!(set.is_valid(policy));
+    Ok((policy, set))
+}
+
+/// Any legal management bits of many ways.
+#[cfg(not(kani))]
+fn wide_order<const WAYS: usize>(s: &mut impl Source, policy: Policy) -> [u8; WAYS] {
+    let first = s.value("youngest way, or bits of the tree", 0..=WAYS as u8 - 1, &BYTES[..WAYS]);
+    let mut order = std::array::from_fn(|place| (place as u8 + first) % WAYS as u8);
+    for place in 0..WAYS {
+        if policy == Policy::Plru {
+            let bit = s.value("bit of the tree", 0..=1, &BYTES[..1]) ^ (first & 1);
+            order[place] = if place > 0 { bit } else { 0 };
+        } else {
+            let later = (WAYS - 1 - place) as u8;
+            order.swap(place, place + usize::from(s.value("exchange", 0..=later, &BYTES[..1])));
+        }
+    }
+    order
+}
+
+/// Any management bits: that they are legal is assumed with the set.
+#[cfg(kani)]
+fn wide_order<const WAYS: usize>(s: &mut impl Source, policy: Policy) -> [u8; WAYS] {
+    order(s, policy)
+}
+
 /// Any legal management bits.
 #[cfg(not(kani))]
 pub fn order<const WAYS: usize>(s: &mut impl Source, policy: Policy) -> [u8; WAYS] {

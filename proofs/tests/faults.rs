@@ -1,5 +1,5 @@
 //! The theorems find the faults that implementers make: each of `faults.toml` is planted into a copy
-//! of the model, and its theorem has to fail on both engines.
+//! of the model, and its theorem has to fail on both engines, or its property test where it names one.
 //!
 //! A copy has no more than the model and the proofs, and of the theorems only the fault's own is
 //! judged, or, if no other may find it, all that rest on the faulty file: so most of the time goes into
@@ -24,7 +24,11 @@ struct Faults {
 struct Fault {
     name: String,
     /// The theorem that has to find it.
+    #[serde(default)]
     theorem: String,
+    /// In its place a property test, `file::name`, for what shows at sizes that no theorem has.
+    #[serde(default)]
+    test: String,
     /// `spec` or `fast`.
     #[serde(rename = "crate")]
     package: String,
@@ -66,7 +70,14 @@ fn every_fault_has_its_line_and_its_theorem() {
     let theorems: BTreeSet<_> = saarcor_proofs::theorems().map(|theorem| theorem.name).collect();
     for fault in &faults {
         assert!(fault.planted().contains(&fault.to), "{}", fault.name);
-        assert!(theorems.contains(&*fault.theorem), "{}: no theorem {}", fault.name, fault.theorem);
+        let Some((file, test)) = fault.test.split_once("::") else {
+            assert!(theorems.contains(&*fault.theorem), "{}: no theorem {}", fault.name, fault.theorem);
+            continue;
+        };
+        assert!(fault.theorem.is_empty(), "{}: a theorem and a test", fault.name);
+        let tests =
+            fs::read_to_string(workspace().join(format!("proofs/tests/{file}.rs"))).unwrap_or_default();
+        assert!(tests.contains(&format!("#[test]\nfn {test}()")), "{}: no test {}", fault.name, fault.test);
     }
     let of_twins = faults.iter().filter(|fault| fault.package == "fast").count();
     assert!(faults.len() >= 40 && of_twins >= 15, "{} faults, {of_twins} of twins", faults.len());
@@ -75,7 +86,7 @@ fn every_fault_has_its_line_and_its_theorem() {
 /// The faults of the twins are found by theorems of equality.
 #[test]
 fn twins_are_held_to_their_specification() {
-    for fault in faults().iter().filter(|fault| fault.package == "fast") {
+    for fault in faults().iter().filter(|fault| fault.package == "fast" && fault.test.is_empty()) {
         let theorem = saarcor_proofs::theorems().find(|theorem| theorem.name == fault.theorem);
         let unit = theorem.map_or("", |theorem| theorem.unit());
         assert!(unit.starts_with("equal"), "{}: {} is of {unit}", fault.name, fault.theorem);
@@ -96,10 +107,10 @@ fn copy(from: &Path, to: &Path) {
 }
 
 /// A workspace of the model and the proofs, apart from this one.
-fn copied_workspace(name: &str) -> PathBuf {
+fn copied_workspace(name: &str, with_oracles: bool) -> PathBuf {
     let copied = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let manifest = |of: &str| fs::read_to_string(workspace().join(of)).expect("a manifest");
-    for folder in [".cargo", "model", "proofs", "reference/oracles"] {
+    for folder in [".cargo", "model", "proofs", "reference/oracles", "reference/random"] {
         let _ = fs::remove_dir_all(copied.join(folder));
         copy(&workspace().join(folder), &copied.join(folder));
     }
@@ -107,9 +118,11 @@ fn copied_workspace(name: &str) -> PathBuf {
     let proofs = manifest("proofs/Cargo.toml");
     let (before, rest) = proofs.split_once("[target.'cfg(not(kani))'.dev-dependencies]").expect("its place");
     let (_, after) = rest.split_once("\n[lints]").expect("its end");
-    fs::write(copied.join("proofs/Cargo.toml"), format!("{before}\n[lints]{after}")).expect("a manifest");
-    let members = if before.contains("saarcor-oracles") {
-        r#"members = ["model/spec", "model/fast", "proofs", "reference/oracles"]"#
+    let oracles = if with_oracles { "[dev-dependencies]\nsaarcor-oracles.workspace = true\n" } else { "" };
+    fs::write(copied.join("proofs/Cargo.toml"), format!("{before}{oracles}\n[lints]{after}"))
+        .expect("a manifest");
+    let members = if with_oracles || before.contains("saarcor-oracles") {
+        r#"members = ["model/spec", "model/fast", "proofs", "reference/oracles", "reference/random"]"#
     } else {
         r#"members = ["model/spec", "model/fast", "proofs"]"#
     };
@@ -183,13 +196,27 @@ fn with_fault<T>(copied: &Path, fault: &Fault, of: impl FnOnce(&Path) -> T) -> T
     result
 }
 
+/// What a property test says in the copy: nothing, or where it fails.
+fn judge_by_test(copied: &Path, test: &str) -> Option<String> {
+    let (file, name) = test.split_once("::").expect("a file and a test");
+    let mut command = Command::new(env!("CARGO"));
+    command.current_dir(copied).env("CARGO_TARGET_DIR", copied.join("target"));
+    command.args(["test", "--offline", "-p", "saarcor-proofs", "--test", file, "--", "--exact", name]);
+    let output = command.output().expect("cargo");
+    let text = String::from_utf8_lossy(&output.stdout);
+    let judged = text.contains("running 1 test");
+    assert!(judged, "{test} was not judged: {}", String::from_utf8_lossy(&output.stderr));
+    let said = text.split_once(" stdout ----\n")?.1;
+    Some(said.trim_start().lines().take(4).collect::<Vec<_>>().join("\n"))
+}
+
 /// All faults; with `SAARCOR_FAULTS` set, those alone whose crate, theorem or name has that text, or one of
 /// several with commas between them.
 fn asked() -> Vec<Fault> {
     let asked = std::env::var("SAARCOR_FAULTS").unwrap_or_default();
     let mut faults = faults();
     faults.retain(|fault| {
-        let texts = [&fault.package, &fault.theorem, &fault.name];
+        let texts = [&fault.package, &fault.theorem, &fault.test, &fault.name];
         asked.split(',').any(|asked| texts.iter().any(|text| text.contains(asked)))
     });
     faults
@@ -197,11 +224,20 @@ fn asked() -> Vec<Fault> {
 
 /// Plants every other fault, from the `first` on.
 fn faults_are_found(first: usize) {
-    let copied = copied_workspace(&format!("faults_{first}"));
+    let asked = asked();
+    let with_oracles = asked.iter().any(|fault| !fault.test.is_empty());
+    let copied = copied_workspace(&format!("faults_{first}"), with_oracles);
     let evidence = Evidence::read(workspace()).expect("the evidence");
     let mut missed = Vec::new();
-    for fault in asked().iter().skip(first).step_by(2) {
+    for fault in asked.iter().skip(first).step_by(2) {
         let start = std::time::Instant::now();
+        if !fault.test.is_empty() {
+            match with_fault(&copied, fault, |copied| judge_by_test(copied, &fault.test)) {
+                Some(said) => println!("{} | {:.1} s\n{said}\n", fault.name, start.elapsed().as_secs_f64()),
+                None => missed.push(format!("not found: {} ({})", fault.name, fault.test)),
+            }
+            continue;
+        }
         let theorem = &*fault.theorem;
         let judged = if fault.unique { resting_on(&evidence, fault) } else { vec![theorem] };
         let text = with_fault(&copied, fault, |copied| said_of(copied, &judged));
@@ -243,9 +279,9 @@ fn the_matrix_of_faults_and_theorems() {
     let known = fs::read_to_string(&path).unwrap_or_default();
     let is_known = |fault: &&Fault| known.lines().any(|line| line.split('\t').next() == Some(&*fault.name));
     let mut file = fs::OpenOptions::new().create(true).append(true).open(&path).expect("the matrix");
-    let copied = copied_workspace("faults_matrix");
+    let copied = copied_workspace("faults_matrix", false);
     let evidence = Evidence::read(workspace()).expect("the evidence");
-    for fault in asked().iter().filter(|fault| !is_known(fault)) {
+    for fault in asked().iter().filter(|fault| fault.test.is_empty() && !is_known(fault)) {
         let judged = resting_on(&evidence, fault);
         let text = with_fault(&copied, fault, |copied| said_of(copied, &judged));
         let names = failing(&text, &judged).join(" ");

@@ -299,6 +299,11 @@ fn b_is_a<const WAYS: usize>(config: CacheConfig) {
             b.invalidate(range.0, range.1);
             twin.invalidate(range.0, range.1);
         }
+        if number == lines.len() / 4 * 3 {
+            a.flush();
+            b.flush();
+            twin.flush();
+        }
         assert_eq!(
             twin.metadata.observer.0, b.metadata.observer.0,
             "{config:?}: metadata moved for {line:?}"
@@ -336,42 +341,73 @@ fn standard_version_b_is_transparent() {
     is_transparent(version_b::<4, _>(config, Moved::default()));
 }
 
-/// What moves between the chip and the on-board memory is what the naive tags move, and the bytes of each granule that is
-/// written back too.
+/// What moves between the chip and the on-board memory, with the bytes of each granule that is written back.
+#[derive(Default)]
+struct Events(Vec<GranuleEvent>);
+
+impl MetadataObserver<[u8; GRANULE]> for Events {
+    fn granule_used(&mut self, granule: LineAddr, outcome: Outcome, back: Option<WriteBack<[u8; GRANULE]>>) {
+        let read = matches!(outcome, Outcome::Miss { .. });
+        self.0.push(if read { GranuleEvent::Read(granule.0) } else { GranuleEvent::Found(granule.0) });
+        self.0.extend(back.map(|back| GranuleEvent::WrittenBack(back.line.0, back.contents.to_vec())));
+    }
+
+    fn corrupt(&mut self) {}
+}
+
+/// Version B moves what the naive tags move: while each set is used `blocks` times, then for lines at random, and for ranges
+/// that are invalidated and a flush between.
+fn metadata_is_the_naive_tags<const WAYS: usize>(
+    config: CacheConfig,
+    metadata_sets: usize,
+    blocks: u64,
+    count: usize,
+) {
+    let metadata = CachedMetadata::observed(&config, metadata_sets, Policy::Lru, Events::default());
+    let mut b = Directory::<WAYS, CachedMetadata<WAYS, METADATA_WAYS, GRANULE, _>>::over(config, metadata);
+    let mut naive = NaiveTags::new(config, GRANULE, metadata_sets, METADATA_WAYS);
+    let swept = sweep(config.geometry.sets(), blocks - 1, lines_of(&config));
+    let random = at_random(&swept, count, lines_of(&config), &mut Numbers(5));
+    let mut expected = Vec::new();
+    for (number, line) in swept.into_iter().chain(random).enumerate() {
+        expected.clear();
+        assert_eq!(b.access(line), naive.access(line, &mut expected), "{config:?}: {line:?}");
+        assert_eq!(b.metadata.observer.0, expected, "{config:?}: {line:?}");
+        b.metadata.observer.0.clear();
+        if number % 1000 == 999 {
+            let (addr, len) = (
+                HostAddr(line.0.wrapping_mul(config.geometry.line().0 as u32)),
+                config.geometry.line().0 + 1,
+            );
+            if config.lines_of(addr, len).count() < config.geometry.lines() as usize {
+                expected.clear();
+                b.invalidate(addr, len);
+                naive.invalidate(addr, len, &mut expected);
+                assert_eq!(b.metadata.observer.0, expected, "{config:?}: {len} bytes at {addr:?}");
+                b.metadata.observer.0.clear();
+            }
+        }
+        if number == count {
+            b.flush();
+            naive.flush();
+        }
+    }
+}
+
 #[test]
 fn standard_metadata_is_the_naive_tags() {
-    #[derive(Default)]
-    struct Events(Vec<GranuleEvent>);
+    let standard = config(16 * MIB, 128, 4, Hash::AddUpper, Policy::Lru);
+    metadata_is_the_naive_tags::<4>(standard, METADATA_SETS, 1, 10_000);
+}
 
-    impl MetadataObserver<[u8; GRANULE]> for Events {
-        fn granule_used(
-            &mut self,
-            granule: LineAddr,
-            outcome: Outcome,
-            back: Option<WriteBack<[u8; GRANULE]>>,
-        ) {
-            let read = matches!(outcome, Outcome::Miss { .. });
-            self.0.push(if read { GranuleEvent::Read(granule.0) } else { GranuleEvent::Found(granule.0) });
-            self.0.extend(back.map(|back| GranuleEvent::WrittenBack(back.line.0, back.contents.to_vec())));
-        }
-
-        fn corrupt(&mut self) {}
-    }
-
-    let config = config(16 * MIB, 128, 4, Hash::AddUpper, Policy::Lru);
-    let mut b = version_b::<4, _>(config, Events::default());
-    let mut naive = NaiveTags::new(config, GRANULE, METADATA_SETS, METADATA_WAYS);
-    let sets = config.geometry.sets();
-    // Each set in turn, and then sets at random: the cache holds the metadata of about 3000.
-    let swept = sweep(sets, 0, lines_of(&config));
-    let random = at_random(&swept, 10_000, lines_of(&config), &mut Numbers(5));
-    let mut expected = Vec::new();
-    for line in swept.into_iter().chain(random) {
-        expected.clear();
-        assert_eq!(b.access(line), naive.access(line, &mut expected), "{line:?}");
-        assert_eq!(b.metadata.observer.0, expected, "{line:?}");
-        b.metadata.observer.0.clear();
-    }
+/// Caches whose metadata ends within a granule.
+#[test]
+fn metadata_of_odd_sizes_is_the_naive_tags() {
+    metadata_is_the_naive_tags::<1>(config(8, 1, 1, Hash::AddUpper, Policy::Fifo), 1, 5, 2000);
+    metadata_is_the_naive_tags::<2>(config(2 * 128, 128, 2, Hash::Low, Policy::Lru), 1, 5, 2000);
+    metadata_is_the_naive_tags::<4>(config(64, 16, 4, Hash::Low, Policy::Lru), 2, 9, 2000);
+    metadata_is_the_naive_tags::<8>(config(8 << 10, 16, 8, Hash::AddUpperAll, Policy::Plru), 2, 17, 3000);
+    metadata_is_the_naive_tags::<16>(config(1 << 14, 64, 16, Hash::AddUpper, Policy::Plru), 4, 33, 3000);
 }
 
 /// Wherever in 2.5 MB of metadata an error is, and in the metadata cache too, its set counts as empty and no other does.
@@ -443,6 +479,7 @@ fn first_level_is_the_naive_cache(sets: usize, line_bytes: u32, base: u32, polic
         part(0, 2),
         part(1, sets as u64 * 9 / 10),
         part(lines / 2, lines),
+        (0, 1 << 32),
         (0, u64::MAX),
     ];
     for (number, line) in swept.into_iter().chain(random).enumerate() {

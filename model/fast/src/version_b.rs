@@ -61,7 +61,7 @@ impl<const WAYS: usize, const META_WAYS: usize, O: MetadataObserver<()>>
 
     /// The granules that hold metadata of the set `index`, and which bytes of it each holds.
     #[inline]
-    fn granules_of(
+    pub fn granules_of(
         &self,
         index: SetIndex,
     ) -> impl Iterator<Item = (LineAddr, Range<usize>)> + use<WAYS, META_WAYS, O> {

@@ -6,15 +6,15 @@
 //! ([`fast_directory_meets_any_metadata_alike`]): the twin may leave out a store of what was loaded,
 //! which changes nothing ([`storing_what_was_loaded_changes_nothing`](super::version_b)).
 
-use crate::draw::{self, WORDS, any_ways};
+use crate::draw::{self, EDGES, WORDS, any_ways};
 #[cfg(not(kani))]
 use crate::engines::Random;
 use crate::source::{Holds, Source};
-use crate::vm::directory::directory;
+use crate::vm::directory::{counters, directory};
 use crate::vm::version_b::Scripted;
 use crate::{assume, check, check_eq, cover, shown, theorems};
 use saarcor_fast::directory as fast;
-use saarcor_model::vm::{Directory, Hash, Outcome, Policy};
+use saarcor_model::vm::{Directory, Hash, LineAddr, Outcome, Policy, Set};
 
 /// Any hash. Kani takes none that loops over the groups of a line's bits: both sides call the same hash.
 pub fn hash(s: &mut impl Source) -> Hash {
@@ -128,6 +128,7 @@ theorems! {
         let mut expected = directory::<S, 2, 2>(s, &WORDS[..6])?;
         // Lines lie where another hash puts them, too: a step of a set does not ask.
         expected.config.hash = hash(s);
+        expected.counters = counters(s);
         let mut got = expected.clone();
         let before = shown!(expected.clone());
         let line = draw::line(s, &WORDS[..7]);
@@ -163,5 +164,30 @@ theorems! {
         check_eq!(got.metadata.stored.unwrap_or((index, load)), expected.metadata.stored.unwrap_or((index, load)), "{line:?}, {load:?}: set stored");
         check_eq!(got.counters, expected.counters, "{line:?}, {load:?}");
         check!(matches!(outcome, Outcome::Hit { .. }) || got.metadata.stored.is_some(), "{line:?}, {load:?}: a miss is stored");
+    }
+
+    /// From any legal set of 8 ways the twin's step gives the specification's outcome and the specification's set.
+    #["VM-6", unwind 10, covers ["hit", "miss, way free", "miss, set full"]]
+    fn fast_wide_set_step_is_the_sets(s) {
+        let (policy, before) = draw::wide_set::<S, 8>(s)?;
+        let line = draw::line_of_set::<8>(s);
+        let (after, outcome) = before.access(line, policy);
+        cover!(s, "hit", matches!(outcome, Outcome::Hit { .. }));
+        cover!(s, "miss, way free", matches!(outcome, Outcome::Miss { evicted: None, .. }));
+        cover!(s, "miss, set full", matches!(outcome, Outcome::Miss { evicted: Some(_), .. }));
+        check_eq!(fast::access_set(&before, line, policy), (after, outcome), "{policy:?}: {before:?}, access {line:?}");
+    }
+
+    /// The search without branches compares every bit of a line: it does not find a line in a set that holds one which differs
+    /// in one bit, nor takes it for the one used last.
+    #["VM-4", unwind 8, covers ["the lowest bit", "the highest bit"]]
+    fn fast_search_compares_every_bit(s) {
+        let (line, bit) = (draw::line(s, &EDGES), s.value("bit", 0..=31, &WORDS[..32]));
+        let (set, _) = Set::<4>::empty(Policy::Lru).access(line, Policy::Lru);
+        let other = LineAddr(line.0 ^ 1 << bit);
+        cover!(s, "the lowest bit", bit == 0);
+        cover!(s, "the highest bit", bit == 31);
+        check_eq!(fast::way_of(&set, other), None, "{other:?} in {set:?}");
+        check_eq!(fast::way_if_youngest(&set, other, Policy::Lru), None, "{other:?} used last in {set:?}");
     }
 }

@@ -4,6 +4,7 @@
 
 use crate::draw::{self, ENDS, WORDS};
 use crate::source::{Source, Stop};
+use crate::vm::directory::counters;
 use crate::{assume, check, check_eq, cover, shown, theorems};
 use saarcor_fast::first_level as fast;
 use saarcor_model::vm::{FirstLevel, HostAddr, Outcome, Policy};
@@ -50,6 +51,7 @@ theorems! {
     #["L1-1", unwind 6, covers ["hit", "miss", "eviction"]]
     fn fast_first_level_step_is_the_caches(s) {
         let mut expected = cache(s)?;
+        expected.counters = counters(s);
         let mut got = expected.clone();
         let before = shown!(expected.clone());
         let line = draw::line(s, &WORDS[..4]);
@@ -64,5 +66,20 @@ theorems! {
             check_eq!(got.sets[index], expected.sets[index], "{line:?} used in {before:?}: set {index}");
         }
         check!(got.sets[0].is_valid(got.policy), "{line:?} used in {before:?}: {got:?}");
+    }
+
+    /// In a first-level cache of up to 512 sets the twin has, and finds, each line in the set that its lower bits name, as
+    /// the specification has.
+    #["L1-1", not_for_kani "hundreds of sets are too many for it; which set the lower bits name is a theorem of the hash", covers ["the last of 512 sets", "one set"]]
+    fn fast_first_level_uses_every_set(s) {
+        let sets = 1 << s.value("log2 sets", 0..=9, &WORDS[..10]);
+        let mut twin = FirstLevel::<2, ()>::new(HostAddr(0), 4, sets, Policy::Lru);
+        let line = draw::line(s, &[0, 1, 63, 64, 127, 255, 256, 511, 0x2000_00ff, u32::MAX]);
+        let own = line.0 as usize & (sets - 1);
+        cover!(s, "the last of 512 sets", own == 511);
+        cover!(s, "one set", sets == 1);
+        fast::access(&mut twin, line);
+        check!(twin.sets[own].set.way_of(line).is_some(), "{line:?} in set {own} of {sets}");
+        check!(fast::is_resident(&twin, line), "{line:?} found in set {own} of {sets}");
     }
 }

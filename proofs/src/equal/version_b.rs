@@ -19,7 +19,7 @@ use crate::{assume, check, check_eq, cover, shown, theorems};
 use saarcor_fast::directory as fast;
 use saarcor_fast::version_b::MetadataDecisions;
 use saarcor_model::vm::{
-    CacheConfig, CachedMetadata, DataSet, Directory, ENTRY_BYTES, HostAddr, LineAddr, Metadata,
+    CacheConfig, CachedMetadata, DataSet, Directory, ENTRY_BYTES, Hash, HostAddr, LineAddr, Metadata,
     MetadataObserver, OnChip, Outcome, Policy, Set, SetIndex, WriteBack,
 };
 
@@ -312,4 +312,76 @@ theorems! {
     fn fast_version_b_steps_alike(s) {
         any_cache!(s, runs_alike);
     }
+
+    /// The twin finds, for each set of a cache of any size, the granules that hold its metadata, as the specification does,
+    /// in order, and of each byte the granule at its place.
+    #["VM-13", unwind 6, covers ["one granule", "two granules", "beyond 64 KB", "beyond 4 GiB"]]
+    fn fast_version_b_finds_the_same_granules(s) {
+        match s.value("bytes of a granule", 0..=2, &BYTES[..3]) {
+            0 => same_granules::<S, 16>(s)?,
+            1 => same_granules::<S, 64>(s)?,
+            _ => same_granules::<S, 4096>(s)?,
+        }
+    }
+
+    /// The twin of a metadata cache of up to 64 sets uses each of them: a granule lies in the set that its lower bits name, as
+    /// in the specification.
+    #["VM-13", not_for_kani "many sets are too many for it; which set the lower bits name is a theorem of the hash", covers ["64 sets", "one set", "a set beyond the eighth"]]
+    fn fast_version_b_uses_every_metadata_set(s) {
+        let sets = 1 << s.value("log2 sets of the metadata cache", 0..=6, &WORDS[..7]);
+        let geometry = draw::of_logarithms(0, 0, 8)?;
+        let config = CacheConfig { geometry, hash: Hash::Low, policy: Policy::Lru };
+        let mut twin = MetadataDecisions::<1, 1, Record>::new(&config, sets, 4, Policy::Lru, Record::EMPTY);
+        let own = SetIndex(s.value("set", 0..=255, &[0, 1, 6, 7, 8, 15, 31, 49, 50, 51, 52, 255]));
+        twin.load(own);
+        cover!(s, "64 sets", sets == 64);
+        cover!(s, "one set", sets == 1);
+        for (index, cached) in twin.cache.iter().enumerate() {
+            let number = cached.set.lines[0].0 as usize;
+            cover!(s, "a set beyond the eighth", index >= 8 && cached.set.resident[0]);
+            check!(!cached.set.resident[0] || number % sets == index, "{own:?}: granule {number} in set {index} of {sets}");
+        }
+    }
 }
+
+/// The granules of any set of 4 ways, of the twin and by their places.
+fn same_granules<S: Source, const GRANULE: usize>(s: &mut S) -> Holds {
+    s.size("bytes a granule", GRANULE);
+    const BYTES_OF_A_SET: u64 = 4 * ENTRY_BYTES as u64;
+    let twin = MetadataDecisions::<4, 4, Record> {
+        sets: OnChip { policy: Policy::Lru, sets: Vec::new() },
+        granules: Policy::Lru,
+        cache: Vec::new(),
+        granule_bytes: GRANULE,
+        observer: Record::EMPTY,
+    };
+    // Four ways: 2^30 sets at most.
+    let set = SetIndex(s.value("set", 0..=u32::MAX >> 2, &SETS_OF_ANY_CACHE));
+    let begin = u64::from(set.0) * BYTES_OF_A_SET;
+    let mut found = twin.granules_of(set);
+    let (mut count, mut bytes) = (0, 0);
+    // 20 bytes in granules of 16 lie in three at most.
+    for k in 0..4 {
+        let Some((granule, here)) = found.next() else { break };
+        check_eq!(here.start, bytes, "{set:?}, granules of {GRANULE}: first byte in granule {k}");
+        check!(here.end > here.start, "{set:?}, granules of {GRANULE}: {here:?} in granule {k}");
+        let place = |byte: usize| (begin + byte as u64) / GRANULE as u64;
+        let holders = [place(here.start), place(here.end - 1)];
+        check_eq!(
+            holders,
+            [u64::from(granule.0); 2],
+            "{set:?}, granules of {GRANULE}: {here:?} in {granule:?}"
+        );
+        (count, bytes) = (count + 1, here.end);
+    }
+    check_eq!(bytes as u64, BYTES_OF_A_SET, "{set:?}, granules of {GRANULE}: bytes found");
+    cover!(s, "one granule", count == 1);
+    cover!(s, "two granules", count == 2);
+    cover!(s, "beyond 64 KB", begin > 1 << 16);
+    cover!(s, "beyond 4 GiB", begin > 1 << 32);
+    Ok(())
+}
+
+/// Sets at both ends, and around powers of two.
+static SETS_OF_ANY_CACHE: [u32; 12] =
+    [0, 1, 2, 3, 4, 3276, 3277, 0xffff, 0x1_0000, 0x1_ffff, 0x1000_0001, u32::MAX >> 2];

@@ -3,9 +3,9 @@
 //! Loops run over the 3 check bits, the 5 bytes, or the ways.
 
 use crate::draw::{self, BYTES, EDGES, ENDS, WORDS};
-use crate::source::Source;
+use crate::source::{Holds, Source};
 use crate::{assume, check, check_eq, cover, theorems};
-use saarcor_model::vm::{ENTRY_BYTES, Entry, LineAddr, Policy, Set};
+use saarcor_model::vm::{Corrupt, ENTRY_BYTES, Entry, LineAddr, Policy, Set};
 
 /// Any entry.
 fn entry(s: &mut impl Source, small: &'static [u32]) -> Entry {
@@ -99,4 +99,60 @@ theorems! {
         let decoded = Set::from_entries(entries.map(Entry::encode), policy);
         check_eq!(decoded.ok(), legal.then_some(set), "{policy:?}: {entries:?}");
     }
+
+    /// Decoding refuses the entries of 4, 8 and 16 ways that make no legal set, each of them legal: a resident line in two
+    /// ways, a way twice in the order or not at all, a tree's bit that is none, and a bit above the root.
+    // Kani: 8 ways.
+    #["VM-5", unwind 10, covers ["a line twice", "a way twice", "no bit", "a bit above the root", "8 ways or more"]]
+    fn illegal_wide_sets_are_refused(s) {
+        match if cfg!(kani) { 1 } else { s.value("log2 ways, less 2", 0..=2, &WORDS[..3]) } {
+            #[cfg(not(kani))]
+            0 => refuses::<S, 4>(s)?,
+            1 => refuses::<S, 8>(s)?,
+            _ => refuses::<S, 16>(s)?,
+        }
+    }
+
+    /// Decoding the entries of a set of 16 ways gives the set back.
+    #["VM-12", unwind 18, covers ["LRU", "PLRU", "the last way is free"]]
+    fn wide_set_decodes_to_itself(s) {
+        let (policy, set) = draw::wide_set::<S, 16>(s)?;
+        cover!(s, "LRU", policy == Policy::Lru);
+        cover!(s, "PLRU", policy == Policy::Plru);
+        cover!(s, "the last way is free", !set.resident[15]);
+        check_eq!(Set::from_entries(set.to_entries(), policy), Ok(set), "{policy:?}");
+    }
+}
+
+/// Makes a legal set illegal, and decodes its entries.
+fn refuses<S: Source, const WAYS: usize>(s: &mut S) -> Holds {
+    let (policy, mut set) = draw::wide_set::<S, WAYS>(s)?;
+    let fault = s.value("fault", 0..=3, &BYTES[..4]);
+    let [a, b] = [(); 2].map(|()| usize::from(s.value("way", 0..=WAYS as u8 - 1, &BYTES[..WAYS])));
+    assume!(a != b);
+    match fault {
+        0 => {
+            (set.resident[a], set.resident[b], set.lines[a]) = (true, true, set.lines[b]);
+            cover!(s, "a line twice", true);
+        }
+        1 => {
+            assume!(policy != Policy::Plru);
+            set.order[a] = set.order[b];
+            cover!(s, "a way twice", true);
+        }
+        2 => {
+            assume!(policy == Policy::Plru);
+            set.order[a] = s.value("entry", 2..=15, &BYTES[2..4]);
+            cover!(s, "no bit", true);
+        }
+        _ => {
+            assume!(policy == Policy::Plru);
+            set.order[0] = 1;
+            cover!(s, "a bit above the root", true);
+        }
+    }
+    cover!(s, "8 ways or more", WAYS >= 8);
+    let decoded = Set::from_entries(set.to_entries(), policy);
+    check_eq!(decoded, Err(Corrupt), "{policy:?}: {set:?}");
+    Ok(())
 }

@@ -8,13 +8,14 @@
 //! enough.
 
 use super::data_set::data_set;
+use super::directory::counters;
 use super::memory::unit;
 use super::virtual_memory::{self, Watched};
 use crate::draw::{self, BYTES, ENDS, WORDS};
 use crate::source::{Source, Stop};
 use crate::{assume, check, check_eq, cover, shown, theorems};
 use saarcor_model::vm::{
-    DataSet, FirstLevel, FirstLevelCaches, HostAddr, HostMemory, LineAddr, Memory, Outcome, Policy, Unit,
+    DataSet, FirstLevel, FirstLevelCaches, HostAddr, HostMemory, LineAddr, Memory, Outcome, Policy, Unit, Way,
 };
 
 const SETS: usize = if cfg!(kani) { 1 } else { 2 };
@@ -249,7 +250,8 @@ theorems! {
         let base = base(s);
         let mut l1 = l1::<S, 2, SETS, LINE>(s, base)?;
         let (addr, len) = (draw::addr(s, &[0, 1, 3, 5, 8]), s.value("bytes", 0..=u64::MAX, &[0, 1, 3, 4, u64::MAX]));
-        let state = l1.clone();
+        l1.counters = counters(s);
+        let (state, mut counters) = (l1.clone(), l1.counters);
         l1.invalidate(addr, len);
         cover!(s, "before the region", addr.0 < l1.base.0);
         let (start, end) = (u64::from(addr.0), u64::from(addr.0).saturating_add(len));
@@ -263,8 +265,10 @@ theorems! {
                 cover!(s, "beside it", was.resident[way] && !meets);
                 check_eq!(is.resident[way], was.resident[way] && !meets, "{len} bytes at {addr:?} of {state:?}: set {set} way {way}");
                 check_eq!((is.lines[way], is.order), (was.lines[way], was.order), "{len} bytes at {addr:?} of {state:?}: set {set}");
+                counters.invalidated += u64::from(was.resident[way] && meets);
             }
         }
+        check_eq!(l1.counters, counters, "{len} bytes at {addr:?} of {state:?}: lines forgotten");
     }
 
     /// After the host has written a byte, and the virtual memory and then the first-level cache have
@@ -332,7 +336,50 @@ theorems! {
         let after = caches.fetch::<1>(unit, HostAddr(watched.addr));
         check_eq!(after[0], caches.below.0.byte, "byte {} read by {unit:?}, before the write {}", watched.addr, before[0]);
     }
+
+    /// In a first-level cache of up to 512 sets a line lies in the set that its lower bits name, and an invalidation forgets
+    /// it wherever that is.
+    #["L1-2", not_for_kani "hundreds of sets are too many for it; what a set does is a theorem of its own", covers ["the last of 512 sets", "one set"]]
+    fn l1_forgets_in_every_set(s) {
+        let sets = 1 << s.value("log2 sets", 0..=9, &WORDS[..10]);
+        let mut l1 = FirstLevel::<2, ()>::new(HostAddr(0), 4, sets, Policy::Lru);
+        // Lines of 4 bytes.
+        let line = LineAddr(s.value("line", 0..=u32::MAX >> 2, &L1_LINES));
+        l1.access(line, || ());
+        let own = line.0 as usize & (sets - 1);
+        cover!(s, "the last of 512 sets", own == 511);
+        cover!(s, "one set", sets == 1);
+        check_eq!(l1.sets[own].set.way_of(line), Some(Way(0)), "{line:?} in set {own} of {sets}");
+        l1.invalidate(HostAddr(line.0 * 4 + 3), 1);
+        check_eq!(l1.sets[own].set.way_of(line), None, "{line:?} forgotten in set {own} of {sets}");
+        check_eq!(l1.counters.invalidated, 1, "{line:?} forgotten in set {own} of {sets}: lines forgotten");
+    }
+
+    /// The bytes of a line of a first-level cache are as many as it has, up to 64 KB, from where it begins; fewer where the
+    /// address space ends within it.
+    // Kani: the chip's lines whose bytes are a power of two, and 4096.
+    #["L1-1", unwind 6, covers ["4 bytes", "4096 bytes", "the end of the address space"]]
+    fn l1_lines_have_all_their_bytes(s) {
+        let base = HostAddr(s.value("base", 0..=u32::MAX, &ENDS));
+        let line = draw::line(s, &ENDS);
+        let any = if cfg!(kani) { 4096 } else { s.value("bytes a line", 1..=1 << 16, &[36, 64, 96, 4096, 1 << 16]) };
+        for line_bytes in [4, 8, 64, any] {
+            s.size("bytes a line", line_bytes as usize);
+            let l1 = FirstLevel::<1, ()>::new(base, line_bytes, 1, Policy::Lru);
+            if begins_within_the_address_space(&l1, line) {
+                let first = u64::from(base.0) + u64::from(line.0) * u64::from(line_bytes);
+                let bytes = l1.bytes_of(line);
+                cover!(s, "4 bytes", line_bytes == 4);
+                cover!(s, "4096 bytes", line_bytes == 4096);
+                cover!(s, "the end of the address space", bytes.end - bytes.start < u64::from(line_bytes));
+                check_eq!(bytes, first..(first + u64::from(line_bytes)).min(1 << 32), "{line:?} of {line_bytes} bytes from {base:?}");
+            }
+        }
+    }
 }
+
+/// Lines of the first set, of the last of 64, 256 and 512, and of others.
+static L1_LINES: [u32; 10] = [0, 1, 63, 64, 127, 255, 256, 511, 0x2000_00ff, u32::MAX >> 2];
 
 /// The four first-level caches of a chip, empty, in front of a host of which one byte is watched; and
 /// any unit. Triangles begin at address 36.

@@ -6,7 +6,7 @@
 use crate::draw::{self, EDGES, ENDS, WORDS};
 use crate::source::Source;
 use crate::{assume, check, check_eq, cover, theorems};
-use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, MAX_WAYS, Policy, SetIndex, Way};
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr, MAX_WAYS, Policy, SetIndex, Way};
 
 /// Sizes of memories and lines: around powers of two, around the limits, and none.
 static SIZES: [u64; 17] = [
@@ -132,6 +132,57 @@ theorems! {
         check!(at & (geometry.line().0 - 1) == 0, "{geometry:?}: set {set} way {way} at {at}");
     }
 
+    /// A byte of a line lies on the card at (set · ways + way) · line + offset, in a card of any size up to 4 GiB.
+    #["VM-11", unwind 8, covers ["not the first way", "not the first set", "beyond 2 GiB"]]
+    fn card_address_is_that_of_its_set_and_way(s) {
+        let geometry = draw::geometry(s)?;
+        let (set, way, at) = place(s, geometry);
+        cover!(s, "not the first way", way > 0);
+        cover!(s, "not the first set", set > 0);
+        cover!(s, "beyond 2 GiB", at > 1 << 31);
+        // By shifts: ways and lines are powers of two.
+        let slot = (u64::from(set) << geometry.ways().trailing_zeros()) + u64::from(way);
+        check_eq!(at, slot << geometry.line().0.trailing_zeros(), "{geometry:?}: set {set} way {way}");
+    }
+
+    /// Whoever goes through all sets meets each number of a set once, up to the last of 2^32.
+    #["VM-8", unwind 8, covers ["one set", "2^32 sets", "the last set"]]
+    fn every_set_has_a_number(s) {
+        let (ways, line, sets) = draw::logarithms(s)?;
+        let geometry = draw::of_logarithms(ways, line, sets)?;
+        let set = u64::from(s.value("set", 0..=u32::MAX, &ENDS));
+        cover!(s, "one set", sets == 0);
+        cover!(s, "2^32 sets", sets == 32);
+        cover!(s, "the last set", sets > 0 && set == (1 << sets) - 1);
+        let numbers = geometry.set_numbers();
+        check_eq!(numbers.contains(&set), set < 1 << sets, "{geometry:?}: set {set} among {numbers:?}");
+        check_eq!(numbers.end - numbers.start, 1 << sets, "{geometry:?}: how many there are of {numbers:?}");
+    }
+
+    /// A read is cut at the ends of lines: what is read at once lies in one line, and what is left begins where the next
+    /// line does, with lines of any size.
+    #["VM-10", unwind 8, covers ["all in one line", "more lines", "the end of the address space", "a line of 1 MiB"]]
+    fn reads_are_cut_at_the_ends_of_lines(s) {
+        let (geometry, addr) = (draw::geometry(s)?, draw::addr(s, &EDGES));
+        let len = s.value("bytes", 1..=u64::MAX, &[1, 2, 127, 128, 1 << 16, (1 << 16) + 1, 1 << 32, u64::MAX]);
+        let (here, next) = geometry.split_at_line_end(addr, len);
+        cover!(s, "all in one line", here == len);
+        cover!(s, "more lines", here < len && next.is_some());
+        cover!(s, "the end of the address space", next.is_none());
+        cover!(s, "a line of 1 MiB", geometry.line().0 == 1 << 20 && here > 1 << 16);
+        let end = u64::from(addr.0) + here;
+        check!(here > 0 && here <= len && end <= 1 << 32, "{geometry:?}: {here} of {len} bytes at {addr:?}");
+        let last = HostAddr((end - 1) as u32);
+        check_eq!(geometry.line_of(last), geometry.line_of(addr), "{geometry:?}: {here} of {len} bytes at {addr:?}: line of the last");
+        if here < len {
+            let expected = if end < 1 << 32 { Some(HostAddr(end as u32)) } else { None };
+            check_eq!(next, expected, "{geometry:?}: behind {here} of {len} bytes at {addr:?}");
+        }
+        if let Some(next) = next {
+            check_eq!(geometry.offset_of(next), 0, "{geometry:?}: {next:?} behind {len} bytes at {addr:?}");
+        }
+    }
+
     /// The lines of a range of bytes are exactly those that share a byte with it, up to the end of
     /// the address space.
     #["VM-10", unwind 8, covers ["a line of the range", "a line beside it", "an empty range", "beyond the end"]]
@@ -150,6 +201,17 @@ theorems! {
         cover!(s, "beyond the end", u64::from(addr.0).saturating_add(len) > 1 << 32);
         let lines = config.lines_of(addr, len);
         check_eq!(lines.contains(&u64::from(line)), meets, "{geometry:?}: {lines:?} of {len} bytes at {addr:?}, line {line}");
+    }
+
+    /// The address some bytes further on is the sum of both, wherever in the address space both lie.
+    #["VM-1", unwind 8, covers ["into the upper half", "the last byte of all"]]
+    fn offset_address_is_the_sum(s) {
+        let (addr, bytes) = (draw::addr(s, &EDGES), s.value("bytes", 0..=u32::MAX, &ENDS));
+        assume!(u64::from(addr.0) + u64::from(bytes) < 1 << 32);
+        let sum = addr.0 + bytes;
+        cover!(s, "into the upper half", addr.0 < 1 << 31 && sum >= 1 << 31);
+        cover!(s, "the last byte of all", sum == u32::MAX);
+        check_eq!(addr.offset(bytes), HostAddr(sum), "{bytes} bytes behind {addr:?}");
     }
 
     /// The metadata takes 5 bytes for each line that the memory holds.

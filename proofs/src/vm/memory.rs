@@ -6,6 +6,10 @@ use crate::source::Source;
 use crate::{check_eq, cover, theorems};
 use saarcor_model::vm::{HostAddr, HostMemory, Memory, Observed, Observer, Unit, WholeScene};
 
+/// Addresses of a small memory and just behind it, and far behind it such whose lower bits are those of its bytes.
+static ADDRS: [u32; 14] =
+    [0, 1, 2, 3, 4, 5, 1 << 8, 1 << 16, 1 << 20, 1 << 24, 1 << 30, 1 << 31, u32::MAX - 1, u32::MAX];
+
 /// A host memory of 0 to 4 bytes: the bytes, and how many of them there are.
 fn host(s: &mut impl Source) -> ([u8; 4], usize) {
     let bytes = s.value("bytes of the host", 1..=u32::MAX, &[0x0403_0201]).to_le_bytes();
@@ -37,7 +41,7 @@ theorems! {
     #["VM-10", unwind 6, covers ["inside", "the first beyond the end", "no memory", "far beyond"]]
     fn bytes_beyond_the_end_are_zero(s) {
         let (bytes, size) = host(s);
-        let addr = s.value("address", 0..=u32::MAX, &[0, 1, 2, 3, 4, 5, u32::MAX - 1, u32::MAX]);
+        let addr = s.value("address", 0..=u32::MAX, &ADDRS);
         let place = usize::from(s.value("place", 0..=2, &BYTES[..3]));
         let mut read = [0xff; 3];
         HostMemory::read(&&bytes[..size], HostAddr(addr), &mut read);
@@ -55,7 +59,7 @@ theorems! {
     fn whole_scene_is_the_hosts_memory(s) {
         let (bytes, size) = host(s);
         let unit = unit(s);
-        let addr = s.value("address", 0..=u32::MAX, &[0, 1, 2, 3, 4, 5, u32::MAX]);
+        let addr = s.value("address", 0..=u32::MAX, &ADDRS);
         let mut expected = [0xff; 2];
         HostMemory::read(&&bytes[..size], HostAddr(addr), &mut expected);
         cover!(s, "shading", unit == Unit::Shading);

@@ -12,6 +12,7 @@
 //! No loop of a step has more turns than there are ways, and the bodies draw at most 4 lines.
 
 pub mod plru;
+pub mod wide;
 
 use crate::draw::{self, BYTES, EDGES, WORDS, any_ways};
 #[cfg(not(kani))]

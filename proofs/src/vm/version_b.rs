@@ -16,12 +16,14 @@
 //! metadata cache of one way: each granule evicts the one before. More ways, and their
 //! replacement, are those of the sets with bytes (`data_set`).
 
+pub mod places;
+
 use super::directory;
 use crate::draw::{self, BYTES, WORDS};
 use crate::source::{Source, Stop};
 use crate::{assume, check, check_eq, cover, shown, theorems};
 use saarcor_model::vm::{
-    CacheConfig, CachedMetadata, DataSet, Directory, ENTRY_BYTES, LineAddr, Metadata, MetadataTraffic,
+    CacheConfig, CachedMetadata, DataSet, Directory, ENTRY_BYTES, Hash, LineAddr, Metadata, MetadataTraffic,
     Outcome, Policy, Set, SetIndex,
 };
 
@@ -35,6 +37,12 @@ const LARGE: usize = if cfg!(kani) { 8 } else { 16 };
 const SET_BYTES: usize = WAYS * ENTRY_BYTES;
 /// Bytes of whole granules of any size that hold the metadata of all sets.
 const MOST_BYTES: usize = SETS * SET_BYTES + LARGE;
+
+/// Sets, bytes a granule and bytes of metadata where a set's metadata lies in two granules, at any offset in the first:
+/// of two ways 10 bytes in granules of 8; to Kani 5 bytes of one way in granules of 4.
+const MANY: usize = if cfg!(kani) { 1 } else { 4 };
+const HALF: usize = if cfg!(kani) { 4 } else { 8 };
+const MANY_BYTES: usize = (MANY * SET_BYTES).next_multiple_of(HALF);
 
 type B<const GRANULE: usize> = CachedMetadata<WAYS, META_WAYS, GRANULE>;
 
@@ -268,12 +276,18 @@ theorems! {
         // In a cache of one granule each evicts the one before.
         let found = b.cache[0].set.resident[0] && b.cache[0].set.lines[0].0 as usize == first;
         let dirty = b.cache[0].dirty[0];
+        let [accesses, loads, write_backs] = [(); 3].map(|()| s.value("count before", 0..=u64::MAX >> 1, &[u64::MAX >> 2]));
+        b.observer = MetadataTraffic { accesses, loads, write_backs, corrupt: 0 };
         cover!(s, "from the cache", found);
         cover!(s, "written back", dirty);
         b.load(SetIndex(own as u32));
-        let accesses = (last - first + 1) as u64;
-        let loads = accesses - u64::from(found);
-        let expected = MetadataTraffic { accesses, loads, write_backs: u64::from(dirty), corrupt: 0 };
+        let used = (last - first + 1) as u64;
+        let expected = MetadataTraffic {
+            accesses: accesses + used,
+            loads: loads + used - u64::from(found),
+            write_backs: write_backs + u64::from(dirty),
+            corrupt: 0,
+        };
         check_eq!(b.observer, expected, "set {own} of {before:?}");
     }
 
@@ -294,5 +308,150 @@ theorems! {
             check!(!set.resident[0] || set.lines[0].0 & 1 == index as u32, "set {index} of {b:?}");
         }
         cover!(s, "found again", b.observer.loads < b.observer.accesses);
+    }
+
+    /// A set whose metadata has an error that is detected counts as empty, whichever set it is, wherever the error lies, in
+    /// the metadata cache alone or on the card too; and after the next store version B holds the new metadata, and loses it
+    /// with no granule.
+    #["VM-14", unwind 14, covers ["on the card", "in the cache alone", "in both", "in a dirty granule", "the error stored"]]
+    fn corruption_in_any_set_makes_it_empty(s) {
+        let config = directory::config::<S, WAYS, SETS>(s)?;
+        s.size("bytes a granule", HALF);
+        let own = if cfg!(kani) { 0 } else { s.value("set", 0..=MANY as u32 - 1, draw::words(0, MANY)) as usize };
+        let was = set(s, config.policy)?;
+        let way = s.value("way", 0..=WAYS as u32 - 1, draw::words(0, WAYS)) as usize;
+        let (first, shape) = (s.value("bit", 0..=39, &[0, 7, 31, 36, 39_u8]), s.value("shape", 0..=3, &BYTES[..4]));
+        let error = (2 * u64::from(shape) + 1) << first;
+        assume!(error < 1 << 40);
+        let other = s.value("byte beside the set", 0..=u8::MAX, &BYTES[9..10]);
+        let mut right = [other; MANY_BYTES];
+        for (i, byte) in was.to_entries().as_flattened().iter().enumerate() {
+            right[own * SET_BYTES + i] = *byte;
+        }
+        let mut wrong = right;
+        for i in 0..ENTRY_BYTES {
+            wrong[own * SET_BYTES + way * ENTRY_BYTES + i] ^= (error >> (8 * i)) as u8;
+        }
+        // Where the error is: on the card, in a clean cache alone, in both, in a dirty cache.
+        let place = s.value("place (card, cache, both, dirty cache)", 0..=3, &BYTES[..4]);
+        let mut b = CachedMetadata::<WAYS, 2, HALF, MetadataTraffic> {
+            lines: config.policy,
+            granules: Policy::Lru,
+            cache: vec![DataSet::empty(Policy::Lru, [0; HALF])],
+            card: if place == 1 { right.to_vec() } else { wrong.to_vec() },
+            observer: MetadataTraffic::default(),
+        };
+        if place > 0 {
+            // A metadata cache of one set that holds all granules of the set of lines, so that none is evicted before it is
+            // looked at.
+            for k in 0..2 {
+                if let Some(granule) = CachedMetadata::<WAYS, 2, HALF, MetadataTraffic>::granule_of(SetIndex(own as u32), k) {
+                    let cache = &mut b.cache[0];
+                    (cache.set.lines[k], cache.set.resident[k], cache.dirty[k]) = (granule, true, place == 3);
+                    for i in 0..HALF {
+                        cache.contents[k][i] = wrong[granule.0 as usize * HALF + i];
+                    }
+                }
+            }
+        }
+        cover!(s, "on the card", place == 0);
+        cover!(s, "in the cache alone", place == 1);
+        cover!(s, "in both", place == 2);
+        cover!(s, "in a dirty granule", place == 3);
+        let before = shown!(b.clone());
+        check_eq!(b.load(SetIndex(own as u32)), Set::empty(b.lines), "set {own}, bits {error:#x} of way {way}: {before:?}");
+        check_eq!(b.observer.corrupt, 1, "set {own}, bits {error:#x} of way {way}: sets detected to be corrupt in {before:?}");
+        // The line that the wrong bits name may be the one that is stored.
+        let as_wrong = draw::flag(s, "the error is stored");
+        let mut new = was;
+        if as_wrong {
+            new.lines[way] = LineAddr(new.lines[way].0 ^ error as u32);
+            assume!(new.is_valid(config.policy));
+        } else {
+            new = set(s, config.policy)?;
+        }
+        cover!(s, "the error stored", as_wrong);
+        b.store(SetIndex(own as u32), &new);
+        for (i, byte) in new.to_entries().as_flattened().iter().enumerate() {
+            right[own * SET_BYTES + i] = *byte;
+        }
+        let cache = b.cache[0];
+        for i in 0..MANY_BYTES {
+            let mut holder = None;
+            for k in 0..2 {
+                if cache.set.resident[k] && cache.set.lines[k].0 as usize == i / HALF {
+                    holder = Some(k);
+                }
+            }
+            // A granule that is not dirty may be dropped at any time.
+            let (now, safe) = match holder {
+                Some(k) => (cache.contents[k][i % HALF], cache.dirty[k] || b.card[i] == cache.contents[k][i % HALF]),
+                None => (b.card[i], true),
+            };
+            check!(now == right[i] && safe, "set {own}, bits {error:#x} of way {way}, then {new:?} stored in {before:?}: byte {i} of {b:?}");
+        }
+    }
+
+    /// What version B says of a set's metadata is what its metadata cache of 4 ways holds, in whichever way, and else what
+    /// the card holds, granule by granule.
+    #["VM-13", unwind 22, covers ["all in the cache", "all on the card", "some of both"]]
+    fn entries_are_those_in_the_cache_or_on_the_card(s) {
+        // The set's 5 bytes (one way) lie in granules 1 and 2 of 4 bytes, or in granules 0 and 1.
+        let own = s.value("set", 0..=1, draw::words(0, 2)) as usize;
+        let mut cache = DataSet::<4, [u8; 4]>::empty(Policy::Lru, [0; 4]);
+        let mut ways = [4; 3];
+        for granule in 0..3 {
+            let way = s.value("way of a granule, 4 for none", 0..=4, &BYTES[..5]);
+            ways[granule] = usize::from(way);
+            for earlier in 0..granule {
+                assume!(way == 4 || usize::from(way) != ways[earlier]);
+            }
+            for slot in 0..4 {
+                if slot == usize::from(way) {
+                    (cache.set.lines[slot], cache.set.resident[slot]) = (LineAddr(granule as u32), true);
+                    cache.contents[slot] = [100 + granule as u8; 4];
+                    cache.dirty[slot] = true;
+                }
+            }
+        }
+        let card: [u8; 12] = std::array::from_fn(|i| i as u8);
+        let b = CachedMetadata::<1, 4, 4, MetadataTraffic> {
+            lines: Policy::Lru,
+            granules: Policy::Lru,
+            cache: vec![cache],
+            card: card.to_vec(),
+            observer: MetadataTraffic::default(),
+        };
+        let [entry] = b.entries(SetIndex(own as u32));
+        let mut cached = 0;
+        for i in 0..ENTRY_BYTES {
+            let at = own * ENTRY_BYTES + i;
+            let in_cache = ways[at / 4] < 4;
+            cached += usize::from(in_cache);
+            let expected = if in_cache { 100 + (at / 4) as u8 } else { at as u8 };
+            check_eq!(entry[i], expected, "byte {i} of set {own} of {b:?}");
+        }
+        cover!(s, "all in the cache", cached == ENTRY_BYTES);
+        cover!(s, "all on the card", cached == 0);
+        cover!(s, "some of both", cached > 0 && cached < ENTRY_BYTES);
+    }
+
+    /// A metadata cache of up to 64 sets uses each of them: a granule lies in the set that its lower bits name.
+    #["VM-13", not_for_kani "many sets are too many for it; which set the lower bits name is a theorem of the hash", covers ["64 sets", "one set", "a set beyond the eighth"]]
+    fn granules_use_every_set_of_the_metadata_cache(s) {
+        let log2 = s.value("log2 sets of the metadata cache", 0..=6, &WORDS[..7]);
+        let geometry = draw::of_logarithms(0, 0, 8)?;
+        let config = CacheConfig { geometry, hash: Hash::Low, policy: Policy::Lru };
+        let sets = 1 << log2;
+        let mut b = CachedMetadata::<1, 1, SMALL>::new(&config, sets, Policy::Lru);
+        let own = SetIndex(s.value("set", 0..=255, &[0, 1, 6, 7, 8, 15, 31, 49, 50, 51, 52, 255]));
+        b.load(own);
+        cover!(s, "64 sets", sets == 64);
+        cover!(s, "one set", sets == 1);
+        for (index, cached) in b.cache.iter().enumerate() {
+            let number = cached.set.lines[0].0 as usize;
+            cover!(s, "a set beyond the eighth", index >= 8 && cached.set.resident[0]);
+            check!(!cached.set.resident[0] || number % sets == index, "{own:?}: granule {number} in set {index} of {sets}");
+        }
     }
 }
