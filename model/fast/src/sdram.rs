@@ -101,7 +101,8 @@ impl Sdram {
     fn refresh(&mut self) {
         let done = self.banks.iter().map(|bank| bank.may_close).fold(self.bus_free, u64::max);
         let begin = done.max(self.next_refresh);
-        let end = begin + u64::from(self.config.precharge) + u64::from(self.config.refresh);
+        // It takes its clock, however short it is.
+        let end = begin + (u64::from(self.config.precharge) + u64::from(self.config.refresh)).max(1);
         for bank in &mut self.banks {
             *bank = Bank { open: None, may_open: end.max(bank.may_open), may_close: end };
         }

@@ -23,7 +23,7 @@ const fn code(unit: u32, addr: u32, bytes: u32, rays: u32) -> u32 {
 
 /// Operations that collide: in first-level caches of four lines of 4 bytes, and in sets of two lines of
 /// 8 bytes, of which there are four.
-const OPERATIONS: [u32; 7] = [
+pub(crate) const OPERATIONS: [u32; 7] = [
     code(0, 0, 0, 3),
     code(1, 0, 8, 2),
     code(1, 20, 8, 1),
@@ -33,7 +33,7 @@ const OPERATIONS: [u32; 7] = [
     code(3, 16, 12, 2),
 ];
 
-fn operation(s: &mut impl Source, small: &'static [u32]) -> Operation {
+pub(crate) fn operation(s: &mut impl Source, small: &'static [u32]) -> Operation {
     let code = s.value("operation", 0..=u32::MAX >> 13, small);
     let (bytes, rays) = (code >> 5 & 31, code >> 2 & 7);
     Operation {
@@ -46,7 +46,7 @@ fn operation(s: &mut impl Source, small: &'static [u32]) -> Operation {
 }
 
 /// The chip of a number; those of 0 and 1 are tiny, of one pipeline and of two.
-fn chip(mut code: u64, version: Version) -> ChipConfig {
+pub(crate) fn chip(mut code: u64, version: Version) -> ChipConfig {
     let code = &mut code;
     let (pipelines, threads) = pick(code, &[(1, 2), (2, 1), (2, 2)]);
     let (ways, set_bits) = pick(code, &[(2, 2), (1, 3), (4, 0)]);

@@ -8,7 +8,7 @@ use crate::{check_eq, cover, theorems};
 use saarcor_model::time::{Direction, Sdram, SdramConfig, Span};
 
 /// A choice out of the lowest digits of a number.
-pub(super) fn pick<T: Copy>(code: &mut u64, of: &[T]) -> T {
+pub(crate) fn pick<T: Copy>(code: &mut u64, of: &[T]) -> T {
     let count = of.len() as u64;
     let choice = of[(*code % count) as usize];
     *code /= count;
@@ -16,8 +16,8 @@ pub(super) fn pick<T: Copy>(code: &mut u64, of: &[T]) -> T {
 }
 
 /// The memory chips of a number; those of 0 are tiny, with times that differ and a refresh soon.
-pub(super) fn sdram(code: &mut u64) -> SdramConfig {
-    let (refresh_interval, refresh) = pick(code, &[(11, 2), (0, 0), (9, 1), (31, 7)]);
+pub(crate) fn sdram(code: &mut u64) -> SdramConfig {
+    let (refresh_interval, refresh) = pick(code, &[(11, 2), (0, 0), (9, 1), (31, 7), (5, 0)]);
     SdramConfig {
         refresh_interval,
         refresh,

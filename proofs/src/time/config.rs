@@ -11,13 +11,14 @@ theorems! {
     #["CH-6", unwind 4, covers ["no rays", "one cycle", "a last cycle that is not full"]]
     fn unit_is_busy_until_its_rays_are_in(s) {
         let rays = u32::from(s.value("rays", 0..=u8::MAX, &[0, 1, 2, 3, 4, 5, 63, 64, 65, 255]));
-        let rays_a_cycle = u32::from(s.value("rays a cycle", 1..=u8::MAX, &[1, 2, 3, 4, 64, 255]));
+        let rays_a_cycle = s.value("rays a cycle", 1..=u32::MAX, &[1, 2, 3, 4, 64, 65, 255, 256, u32::MAX]);
         let cycles = UnitConfig { rays_a_cycle, latency: 0 }.cycles(rays);
+        let taken = |cycles: u32| u64::from(cycles) * u64::from(rays_a_cycle);
         cover!(s, "no rays", rays == 0);
         cover!(s, "one cycle", rays > 0 && cycles == 1);
-        cover!(s, "a last cycle that is not full", cycles > 1 && cycles * rays_a_cycle > rays);
-        check!(cycles >= 1 && cycles * rays_a_cycle >= rays, "{rays} rays, {rays_a_cycle} a cycle: {cycles}");
-        check!(cycles == 1 || (cycles - 1) * rays_a_cycle < rays, "{rays} rays, {rays_a_cycle} a cycle: {cycles}");
+        cover!(s, "a last cycle that is not full", cycles > 1 && taken(cycles) > u64::from(rays));
+        check!(cycles >= 1 && taken(cycles) >= u64::from(rays), "{rays} rays, {rays_a_cycle} a cycle: {cycles}");
+        check!(cycles == 1 || taken(cycles - 1) < u64::from(rays), "{rays} rays, {rays_a_cycle} a cycle: {cycles}");
     }
 
     /// The sets of the metadata cache, with four ways of one granule each, make up the size asked for.

@@ -1,5 +1,6 @@
 //! Theorems of the chip in time: its programs, its numbers, its loads, its memory chips and its bus.
 
+pub mod chip;
 pub mod config;
 pub mod loads;
 pub mod operation;
