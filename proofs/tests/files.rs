@@ -17,7 +17,7 @@ const WITHOUT_THEOREMS: &[(&str, &str)] = &[
     ("rays/pipeline.rs", "drives the units: `tests/pictures.rs`"),
     ("time/standard.rs", "numbers: they decide nothing"),
     ("time/chip/bus_manager.rs", "part of `time/chip/mod.rs`"),
-    ("time/chip/loads.rs", "part of the bus manager: `equal/chip` compares its twin with it"),
+    ("time/chip/loads.rs", "its theorems are in `time/loads.rs`"),
     ("time/chip/tags.rs", "the decisions of the directory: `vm/directory.rs`"),
 ];
 
