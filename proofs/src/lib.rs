@@ -39,6 +39,7 @@ pub mod theorem;
 pub mod equal;
 pub mod host;
 pub mod rays;
+pub mod refinement;
 pub mod time;
 pub mod vm;
 
@@ -59,6 +60,9 @@ pub fn theorems() -> impl Iterator<Item = &'static theorem::Theorem> {
         vm::version_b::THEOREMS,
         vm::version_b::places::THEOREMS,
         vm::first_level::THEOREMS,
+        refinement::directory::THEOREMS,
+        refinement::memory::THEOREMS,
+        refinement::first_level::THEOREMS,
         host::features::THEOREMS,
         host::node::THEOREMS,
         host::list::THEOREMS,

@@ -58,8 +58,8 @@ macro_rules! engine {
     };
 }
 
-engine!(exhaustive, Theorem::judge_exhaustively, vm host rays time equal);
-engine!(random, |theorem| theorem.judge_at_random(20_000), vm host rays time equal);
+engine!(exhaustive, Theorem::judge_exhaustively, vm refinement host rays time equal);
+engine!(random, |theorem| theorem.judge_at_random(20_000), vm refinement host rays time equal);
 
 /// The sets that Kani and the exhaustive engine leave out.
 #[test]

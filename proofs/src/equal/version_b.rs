@@ -13,14 +13,17 @@
 //! [`fast_directory_meets_any_metadata_alike`](super::directory::fast_directory_meets_any_metadata_alike).
 
 use crate::draw::{self, BYTES, WORDS};
+use crate::refinement::directory::Ask;
+use crate::refinement::draw as any;
+use crate::refinement::machine::{begin, step_from_any};
+use crate::refinement::twins::{Fast, TwinOfB, metadata_is_related};
 use crate::source::{Holds, Source, Stop};
 use crate::vm::version_b::{SETS, WAYS, set};
 use crate::{assume, check, check_eq, cover, shown, theorems};
-use saarcor_fast::directory as fast;
 use saarcor_fast::version_b::MetadataDecisions;
 use saarcor_model::vm::{
-    CacheConfig, CachedMetadata, DataSet, Directory, ENTRY_BYTES, Hash, HostAddr, LineAddr, Metadata,
-    MetadataObserver, OnChip, Outcome, Policy, Set, SetIndex, WriteBack,
+    CacheConfig, CachedMetadata, DataSet, Directory, ENTRY_BYTES, Hash, LineAddr, Metadata, MetadataObserver,
+    MetadataTraffic, OnChip, Outcome, Policy, Set, SetIndex, WriteBack,
 };
 
 const SET_BYTES: usize = WAYS * ENTRY_BYTES;
@@ -141,16 +144,9 @@ fn correspond<const META_WAYS: usize, const GRANULE: usize>(
     spec: &Spec<META_WAYS, GRANULE>,
     twin: &Twin<META_WAYS>,
 ) -> bool {
-    let mut same =
-        spec.observer == twin.observer && spec.observer.corrupt == 0 && spec.observer.count <= MOST_EVENTS;
-    for index in 0..SETS {
-        same &= spec.entries(SetIndex(index as u32)) == twin.sets.sets[index].to_entries();
-    }
-    for index in 0..twin.cache.len() {
-        same &= spec.cache[index].set == twin.cache[index].set
-            && spec.cache[index].dirty == twin.cache[index].dirty;
-    }
-    same
+    spec.observer.corrupt == 0
+        && spec.observer.count <= MOST_EVENTS
+        && metadata_is_related::<WAYS, META_WAYS, GRANULE, Record>(twin, spec)
 }
 
 /// Judges a body for granules smaller and larger than the metadata of a set, and metadata caches of
@@ -242,38 +238,19 @@ fn runs_alike<S: Source, const META_WAYS: usize, const GRANULE: usize>(s: &mut S
     let mut config = config(s)?;
     config.hash = super::directory::hash(s);
     let (spec, twin, _) = states::<S, META_WAYS, GRANULE>(s, &config, meta_sets)?;
-    let before = shown!(spec.clone());
-    let (mut spec, mut twin) = (Directory::over(config, spec), Directory::over(config, twin));
-    let step = s.value("step (access, invalidate, flush)", 0..=2, &BYTES[..3]);
-    let (addr, len) = match step {
-        0 => (draw::addr(s, &[0, 2, 4, 6]), 1),
-        1 => (draw::addr(s, &[0, 3]), s.value("bytes", 0..=u64::MAX, &[0, 1, 3, u64::MAX])),
-        _ => (HostAddr(0), 0),
+    let (mut spec, mut twin) = (Directory::over(config, spec), Fast(Directory::over(config, twin)));
+    let ask = match s.value("step (access, invalidate, flush)", 0..=2, &BYTES[..3]) {
+        0 => Ask::Access(config.geometry.line_of(draw::addr(s, &[0, 2, 4, 6]))),
+        1 => Ask::Invalidate(draw::addr(s, &[0, 3]), s.value("bytes", 0..=u64::MAX, &[0, 1, 3, u64::MAX])),
+        _ => Ask::Flush,
     };
-    match step {
-        0 => {
-            let line = config.geometry.line_of(addr);
-            let expected = spec.access(line);
-            cover!(s, "hit", matches!(expected, Outcome::Hit { .. }));
-            cover!(s, "miss", matches!(expected, Outcome::Miss { .. }));
-            check_eq!(fast::access(&mut twin, line), expected, "access {line:?} to {before:?}");
-        }
-        1 => {
-            spec.invalidate(addr, len);
-            twin.invalidate(addr, len);
-            cover!(s, "invalidated", spec.counters.invalidated > 0);
-        }
-        _ => {
-            spec.flush();
-            twin.flush();
-            cover!(s, "flushed", true);
-        }
-    }
-    check_eq!(twin.counters, spec.counters, "step {step}, {len} bytes at {addr:?} of {before:?}");
-    check!(
-        correspond(&spec.metadata, &twin.metadata),
-        "step {step}, {len} bytes at {addr:?} of {before:?}: {spec:?} and {twin:?}"
-    );
+    let outcome = step_from_any::<TwinOfB<WAYS, META_WAYS, GRANULE, Record>>(&mut twin, &mut spec, &ask)?;
+    cover!(s, "hit", matches!(outcome, Some(Outcome::Hit { .. })));
+    cover!(s, "miss", matches!(outcome, Some(Outcome::Miss { .. })));
+    cover!(s, "invalidated", spec.counters.invalidated > 0);
+    cover!(s, "flushed", matches!(ask, Ask::Flush));
+    let Record { corrupt, count, .. } = spec.metadata.observer;
+    check!(corrupt == 0 && count <= MOST_EVENTS, "{ask:?}: {corrupt} corrupt, {count} granules used");
     Ok(())
 }
 
@@ -341,6 +318,20 @@ theorems! {
             cover!(s, "a set beyond the eighth", index >= 8 && cached.set.resident[0]);
             check!(!cached.set.resident[0] || number % sets == index, "{own:?}: granule {number} in set {index} of {sets}");
         }
+    }
+
+    /// The twin of version B begins as version B does, with no line in any set and no granule in the metadata
+    /// cache.
+    #["VM-13", unwind 13, covers ["one policy", "two policies"]]
+    fn twin_of_version_b_begins_as_the_specification(s) {
+        let config = any::config::<S, 1>(s)?;
+        let granules = draw::policy(s);
+        let twin = MetadataDecisions::<1, 2, _>::new(&config, 2, 8, granules, MetadataTraffic::default());
+        let spec = CachedMetadata::<1, 2, 8>::new(&config, 2, granules);
+        cover!(s, "one policy", config.policy == granules);
+        cover!(s, "two policies", config.policy != granules);
+        let (twin, spec) = (Fast(Directory::over(config, twin)), Directory::over(config, spec));
+        begin::<TwinOfB<1, 2, 8, MetadataTraffic>>(&twin, &spec)?;
     }
 }
 

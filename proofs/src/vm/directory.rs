@@ -1,7 +1,7 @@
 //! Theorems of the directory, version A: which line lies where, over all sets (VM-5, VM-6, VM-8).
 //!
-//! **One set is enough.** An access is the step of its line's set ([`access_is_the_step_of_its_set`])
-//! and changes no other ([`access_changes_one_set`]); the theorems of the set speak of more ways.
+//! **One set is enough.** An access is the step of its line's set and changes no other: `refinement::directory`.
+//! The theorems of the set speak of more ways.
 //! Two sets of two ways, so that a wrong set shows, with lines of two bytes, so that a wrong offset
 //! does.
 
@@ -91,35 +91,6 @@ pub fn len(s: &mut impl Source) -> u64 {
 }
 
 theorems! {
-    /// An access changes no set but the set of its line.
-    #["VM-6", unwind 5, covers ["set 0", "set 1"]]
-    fn access_changes_one_set(s) {
-        let mut directory = directory::<S, WAYS, SETS>(s, &WORDS[..6])?;
-        let line = draw::line(s, &WORDS[..7]);
-        let before = directory.clone();
-        directory.access(line);
-        let own = directory.config.set_of(line).0 as usize;
-        cover!(s, "set 0", own == 0);
-        cover!(s, "set 1", own == 1);
-        for set in 0..SETS {
-            check!(set == own || directory.sets()[set] == before.sets()[set], "set {set} after access {line:?} to {before:?}");
-        }
-    }
-
-    /// An access to the cache is one step of the set of its line.
-    #["VM-6", unwind 5, covers ["hit", "miss"]]
-    fn access_is_the_step_of_its_set(s) {
-        let mut directory = directory::<S, WAYS, SETS>(s, &WORDS[..6])?;
-        let line = draw::line(s, &WORDS[..7]);
-        let own = directory.config.set_of(line).0 as usize;
-        let expected = directory.sets()[own].access(line, directory.config.policy);
-        let before = shown!(directory.clone());
-        let outcome = directory.access(line);
-        cover!(s, "hit", matches!(outcome, Outcome::Hit { .. }));
-        cover!(s, "miss", matches!(outcome, Outcome::Miss { .. }));
-        check_eq!((directory.sets()[own], outcome), expected, "access {line:?} to {before:?}");
-    }
-
     /// After any access and any invalidation all sets are legal and every resident line lies in its own
     /// set: so no line is resident twice, and never more lines than the memory holds.
     #["VM-5", unwind 5, covers ["access", "invalidation"]]

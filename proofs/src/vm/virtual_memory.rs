@@ -3,19 +3,16 @@
 //! **One witness.** One arbitrary byte of the host is watched, and one word remembers what it
 //! holds; of the rest of the host nothing is known. What holds of an arbitrary byte holds of all.
 //!
-//! **One step from any consistent state.** A state is consistent if what is on the card is the
-//! host's. Every step keeps that, and in every such state a read returns the host's byte: reads
-//! (`reads_keep_the_card_the_hosts`), host writes followed by their invalidation
-//! (`host_writes_and_invalidation_keep_the_card_the_hosts`), and invalidations by themselves, which
-//! only forget lines (`invalidation_forgets_exactly_the_range`). The card is that of the theorems of
-//! the [directory](super::directory).
+//! **One step from any consistent state** is one of flat memory: `refinement::memory`, whose theorems say that
+//! reads, writes and invalidations answer and leave what it does. The card here is that of the theorems of the
+//! [directory](super::directory).
 
 use super::directory::{LINE, SETS, WAYS, addr, counters, directory};
 use crate::draw::{self, BYTES, ENDS, WORDS};
 use crate::source::{Source, Stop};
-use crate::{assume, check_eq, cover, shown, theorems};
+use crate::{check_eq, cover, shown, theorems};
 use saarcor_model::vm::{
-    CacheConfig, Directory, Hash, HostAddr, HostMemory, Memory, Outcome, Policy, Unit, VirtualMemory, Way,
+    CacheConfig, Directory, Hash, HostAddr, HostMemory, Outcome, Policy, VirtualMemory, Way,
 };
 use std::cell::Cell;
 
@@ -81,80 +78,6 @@ pub fn memory<S: Source, const WAYS: usize, const SETS: usize>(
 }
 
 theorems! {
-    /// In any consistent state a byte read is the host's, whether its line is on the card or not.
-    #["VM-9", unwind 5, covers ["read from the card", "read from the host"]]
-    fn reads_return_the_hosts_bytes(s) {
-        let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
-        let state = shown!(memory.clone());
-        let mut byte = [0xff];
-        let outcome = memory.read_in_line(HostAddr(memory.host.addr), &mut byte);
-        cover!(s, "read from the card", matches!(outcome, Outcome::Hit { .. }));
-        cover!(s, "read from the host", matches!(outcome, Outcome::Miss { .. }));
-        check_eq!(byte[0], memory.host.byte, "byte {} read from {state:?}", memory.host.addr);
-    }
-
-    /// Whatever byte is read, and whatever line is loaded and evicted for it, the bytes on the card
-    /// stay the host's.
-    #["VM-9", unwind 5, covers ["evicted", "loaded", "stays"]]
-    fn reads_keep_the_card_the_hosts(s) {
-        let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
-        let before = shown!(memory.clone());
-        let was_on_card = on_card(&memory).is_some();
-        let addr = addr(s);
-        memory.read_in_line(addr, &mut [0]);
-        let now_on_card = on_card(&memory);
-        cover!(s, "evicted", was_on_card && now_on_card.is_none());
-        cover!(s, "loaded", !was_on_card && now_on_card.is_some());
-        cover!(s, "stays", was_on_card && now_on_card.is_some());
-        if let Some(place) = now_on_card {
-            check_eq!(memory.card[place], memory.host.byte, "{addr:?} read from {before:?}: byte {place} of the card");
-        }
-    }
-
-    /// After the host has written a byte and invalidated it, the byte is not on the card, and the rest
-    /// of the card stays as it was.
-    #["VM-9", unwind 5, covers ["written while on the card", "written while not"]]
-    fn host_writes_and_invalidation_keep_the_card_the_hosts(s) {
-        let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
-        let before = memory.card.clone();
-        let was_on_card = on_card(&memory).is_some();
-        cover!(s, "written while on the card", was_on_card);
-        cover!(s, "written while not", !was_on_card);
-        memory.host.byte = s.value("byte written", 0..=u8::MAX, &BYTES[2..3]);
-        memory.invalidate(HostAddr(memory.host.addr), 1);
-        check_eq!(on_card(&memory), None, "byte {} of {memory:?}", memory.host.addr);
-        let place = s.value("byte on the card", 0..=7, &BYTES[..8]);
-        check_eq!(memory.card[usize::from(place)], before[usize::from(place)], "byte {place} of {memory:?}");
-    }
-
-    /// A read that straddles lines returns the host's byte at each place, and zero beyond the end
-    /// of the address space.
-    // Four bytes meet up to three lines of two. A read is made of reads of one line each, of which
-    // `reads_return_the_hosts_bytes` speaks: to Kani one set of one way shows how it is made of them.
-    #["VM-10", unwind 5, covers ["in the second line", "beyond the end"]]
-    fn reads_across_lines_return_the_hosts_bytes(s) {
-        const WAYS: usize = if cfg!(kani) { 1 } else { self::WAYS };
-        const SETS: usize = if cfg!(kani) { 1 } else { self::SETS };
-        let mut memory = memory::<S, WAYS, SETS>(s, &WORDS[..6])?;
-        let addr = s.value("address", 0..=u32::MAX, &[0, 1, 2, 3, 8, u32::MAX - 1, u32::MAX]);
-        let place = s.value("place", 0..=3, &BYTES[..4]);
-        let state = shown!(memory.clone());
-        let mut bytes = [0xff; 4];
-        memory.read(Unit::Intersection, HostAddr(addr), &mut bytes);
-        let got = bytes[usize::from(place)];
-        match addr.checked_add(u32::from(place)) {
-            None => {
-                cover!(s, "beyond the end", true);
-                check_eq!(got, 0, "byte {place} of 4 at {addr} from {state:?}");
-            }
-            Some(at) => {
-                assume!(at == memory.host.addr);
-                cover!(s, "in the second line", place >= 2);
-                check_eq!(got, memory.host.byte, "byte {place} of 4 at {addr} from {state:?}");
-            }
-        }
-    }
-
     /// Each miss moves exactly one line over the bus, from its first byte on; a hit moves none.
     #["VM-6", unwind 5, covers ["hit", "miss"]]
     fn miss_moves_one_line_and_hit_none(s) {
