@@ -190,7 +190,11 @@ pub const TWINS: &[(&str, &[Twin])] = &[
                 "CachedMetadata::observed",
                 &["twin_of_version_b_begins_as_the_specification"],
             ),
-            ("MetadataDecisions::granules_of", "CachedMetadata::granule_of", &["fast_version_b_finds_the_same_granules"]),
+            (
+                "MetadataDecisions::granules_of",
+                "CachedMetadata::granule_of",
+                &["fast_version_b_finds_the_same_granules"],
+            ),
             (
                 "MetadataDecisions::load",
                 "CachedMetadata::load",
