@@ -1,7 +1,7 @@
 //! Theorems of a set of 16 ways, the most that there are (VM-5 to VM-8).
 //!
 //! The theorems of the sets of 1, 2 and 4 ways say all this of narrow sets. A set whose loops, or whose management bits, end
-//! at some way shows here. The small scope is narrow ([`draw::wide_set`]); Kani and the random engine take any set.
+//! at some way shows here. The small scope is narrow (`draw::wide_set`); Kani and the random engine take any set.
 
 use crate::draw;
 use crate::{assume, check_eq, cover, theorems};
