@@ -216,8 +216,8 @@ fn chip_step<S: Source, const WAYS: usize, M: Held<WAYS>>(
     mut flat: Flat,
 ) -> Holds {
     let policy = below.directory.config.policy;
-    // Triangles begin at address 36, or where there are none of them.
-    let base = HostAddr(s.value("base of triangles", 0..=u32::MAX, &[0]));
+    // From address 1 on a line begins at the watched byte, and the byte before it is in another.
+    let base = HostAddr(s.value("base of triangles", 0..=u32::MAX, &WORDS[..2]));
     let sets = 1 << s.value("log2 sets of a first-level cache", 0..=8, &WORDS[1..2]);
     let mut chip = FirstLevelCaches::new([sets; 4], policy, base, below);
     let unit = crate::vm::memory::unit(s);
