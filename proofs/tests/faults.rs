@@ -212,7 +212,7 @@ fn judge_by_test(copied: &Path, test: &str) -> Option<String> {
 }
 
 /// All faults; with `SAARCOR_FAULTS` set, those alone whose crate, theorem or name has that text, or one of
-/// several with commas between them.
+/// several with commas between them; of these, with `SAARCOR_FAULTS_PART=K/N` set, each `N`th from the `K`th on.
 fn asked() -> Vec<Fault> {
     let asked = std::env::var("SAARCOR_FAULTS").unwrap_or_default();
     let mut faults = faults();
@@ -220,7 +220,11 @@ fn asked() -> Vec<Fault> {
         let texts = [&fault.package, &fault.theorem, &fault.test, &fault.name];
         asked.split(',').any(|asked| texts.iter().any(|text| text.contains(asked)))
     });
-    faults
+    let Ok(part) = std::env::var("SAARCOR_FAULTS_PART") else { return faults };
+    let part = part.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+    let (first, step) =
+        part.filter(|&(k, n): &(usize, usize)| k < n).expect("SAARCOR_FAULTS_PART: K/N, K below N");
+    faults.into_iter().skip(first).step_by(step).collect()
 }
 
 /// Plants every other fault, from the `first` on.

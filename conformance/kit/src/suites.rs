@@ -257,6 +257,7 @@ pub const CHIP: &[(&str, &str)] = suites![
     "chip/line-from-the-host",
     "chip/partial-beats-count-whole",
     "chip/one-transfer-at-a-time",
+    "chip/parts-share-a-load",
     "chip/written-before-it-is-read",
     "chip/command-a-clock",
     "chip/row-closes-after-its-writes",

@@ -131,7 +131,7 @@ fn chip_python_conforms_whatever_the_seed() {
     let (_folder, target) = template("chip-python");
     let planned = default_suite(&Chip, &Options { requests: 2400, ..Options::default() }).expect("suites");
     let report = conforms_to(&Chip, &*target.dut, &planned);
-    assert_eq!(report.unsupported.iter().map(|row| row.key.as_str()).collect::<Vec<_>>(), ["policy"]);
+    assert!(report.unsupported.is_empty(), "{:?}", report.unsupported);
     conforms_to(&Chip, &*target.dut, &seeds(200, 60));
 }
 
