@@ -47,23 +47,13 @@ fn item<S: Source>(s: &mut S, bytes: u32) -> Result<(HostAddr, u32), Stop> {
 
 /// The chip's registers, of which only the address of the first triangle matters.
 fn registers(triangles: HostAddr) -> Registers {
-    let features = Features {
-        textures: false,
-        bump_maps: false,
-        mip_maps: false,
-        lights: 0,
-        smooth_normals: false,
-        highlights: false,
-        reflection: false,
-        refraction: false,
-    };
     Registers {
         root: HostAddr(0),
         bounds: Aabb::EMPTY,
         kernel: Kernel::MollerTrumbore,
         triangles,
         shading: HostAddr(0),
-        features,
+        features: Features::default(),
         lights: Vec::new(),
     }
 }

@@ -10,13 +10,12 @@ use super::machine::{Answer, Machine, Simulation, begin, step_from_any};
 use super::memory::{Ask, Card, Flat, Got, Host, IsFlat, bytes_agree, consistent, state};
 use crate::draw::{self as parts, BYTES, WORDS};
 use crate::source::{Holds, Source, Stop};
-use crate::vm::virtual_memory::Watched;
+use crate::vm::virtual_memory::{Watched, watched_at};
 use crate::{assume, cover, theorems};
 use saarcor_model::vm::{
     CacheConfig, CachedMetadata, DataSet, FirstLevel, FirstLevelCaches, HostAddr, LineAddr, Memory, OnChip,
     Policy, Unit, VirtualMemory, WholeScene,
 };
-use std::cell::Cell;
 use std::marker::PhantomData;
 
 /// A first-level cache and the memory behind it.
@@ -249,13 +248,7 @@ theorems! {
         s.size("ways", WAYS);
         s.size("bytes a line", LINE);
         let addr = parts::addr(s, &[0, 1, 4, u32::MAX]);
-        let host = Watched {
-            addr: addr.0,
-            byte: s.value("watched byte", 0..=u8::MAX, &BYTES[1..2]),
-            other: s.value("other bytes", 0..=u8::MAX, &BYTES[..1]),
-            reads: Cell::new(0),
-            moved: Cell::new(0),
-        };
+        let host = watched_at(s, addr);
         let mut flat = Flat { addr, byte: host.byte };
         let base = HostAddr(s.value("base", 0..=u32::MAX, &WORDS[..2]));
         let sets = 1 << if cfg!(kani) { 0 } else { s.value("log2 sets", 0..=8, &WORDS[1..2]) };

@@ -14,12 +14,11 @@ use super::draw::{self, Around};
 use super::machine::{Answer, Machine, Simulation, step_from_any};
 use crate::draw::{self as parts, BYTES, WORDS};
 use crate::source::{Holds, Source, Stop};
-use crate::vm::virtual_memory::Watched;
+use crate::vm::virtual_memory::{Watched, watched_at};
 use crate::{assume, cover, theorems};
 use saarcor_model::vm::{
     CacheConfig, Directory, HostAddr, HostMemory, Memory, Outcome, SetIndex, Unit, VirtualMemory, Way,
 };
-use std::cell::Cell;
 use std::marker::PhantomData;
 
 /// What a memory is asked.
@@ -280,13 +279,7 @@ pub(super) fn state<S: Source, const WAYS: usize, M: Held<WAYS>>(
 ) -> Result<(VirtualMemory<Watched, WAYS, M>, Card), Stop> {
     let addr = if cfg!(kani) { parts::addr(s, &[]) } else { draw::addr_in(s, &config, around.own) };
     assume!(config.set_of(config.geometry.line_of(addr)) == around.own);
-    let host = Watched {
-        addr: addr.0,
-        byte: s.value("watched byte", 0..=u8::MAX, &BYTES[1..2]),
-        other: s.value("other bytes", 0..=u8::MAX, &BYTES[..1]),
-        reads: Cell::new(0),
-        moved: Cell::new(0),
-    };
+    let host = watched_at(s, addr);
     let flat = Flat { addr, byte: host.byte };
     let card = vec![0; config.geometry.memory().0 as usize];
     let mut memory = VirtualMemory { directory: Directory::over(config, metadata), card, host };

@@ -43,8 +43,14 @@ impl HostMemory for Watched {
 
 /// Any watched byte. Small scope: the bytes of lines 0, 1, 2 and 5.
 pub fn watched(s: &mut impl Source) -> Watched {
+    let addr = s.value("watched address", 0..=u32::MAX, &[0, 3, 4, 11]);
+    watched_at(s, HostAddr(addr))
+}
+
+/// The watched byte of that address, with any value.
+pub fn watched_at(s: &mut impl Source, addr: HostAddr) -> Watched {
     Watched {
-        addr: s.value("watched address", 0..=u32::MAX, &[0, 3, 4, 11]),
+        addr: addr.0,
         byte: s.value("watched byte", 0..=u8::MAX, &BYTES[1..2]),
         other: s.value("other bytes", 0..=u8::MAX, &BYTES[..1]),
         reads: Cell::new(0),

@@ -93,16 +93,6 @@ impl SceneMemory {
 
 /// The registers of the chip, of which traversal and intersection read the first three.
 fn registers(bounds: Aabb, kernel: Kernel) -> Registers {
-    let features = Features {
-        textures: false,
-        bump_maps: false,
-        mip_maps: false,
-        lights: 0,
-        smooth_normals: false,
-        highlights: false,
-        reflection: false,
-        refraction: false,
-    };
     let nothing = HostAddr(0);
     Registers {
         root: HostAddr(0),
@@ -110,7 +100,7 @@ fn registers(bounds: Aabb, kernel: Kernel) -> Registers {
         kernel,
         triangles: nothing,
         shading: nothing,
-        features,
+        features: Features::default(),
         lights: Vec::new(),
     }
 }

@@ -4,8 +4,8 @@
 use super::scene::{Material, Scene};
 use glam::Vec3;
 
-/// What of the chip a scene needs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What of the chip a scene needs; nothing, unless something is named.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Features {
     /// Some triangle's material has an image texture.
     pub textures: bool,
