@@ -13,8 +13,8 @@ use crate::error::Error;
 use crate::hex;
 use crate::level::Level;
 use crate::session::Session;
-use saarcor_model::vm::{CacheConfig, HostAddr, HostMemory as _};
-use std::collections::HashMap;
+use saarcor_model::vm::{CacheConfig, HostAddr, HostMemory as _, LineAddr};
+use std::collections::BTreeMap;
 
 /// The comparison of one session.
 pub struct VmComparison<'a> {
@@ -82,14 +82,40 @@ impl Comparison for VmComparison<'_> {
 /// What has happened to a line.
 #[derive(Clone, Debug, Default)]
 struct LineHistory {
-    /// It has been read.
-    read: bool,
+    /// Invalidations, of any line, before it was read last.
+    invalidations: u64,
     /// It has been invalidated since it was read last.
     invalidated: bool,
-    /// Something, if another line, has been invalidated since it was read last.
-    others_invalidated: bool,
-    /// What it held whenever it was read since it was invalidated: what a cache may still hold.
-    held: Vec<Vec<u8>>,
+    /// How much of `overwritten` there was whenever it was read since it was invalidated: what it held then a cache
+    /// may still hold.
+    reads: Vec<usize>,
+    /// Since the first of these reads, the first address of each write to it, and the bytes that were there before:
+    /// together no longer than the session, however long the line is.
+    overwritten: Vec<(u32, Vec<u8>)>,
+}
+
+impl LineHistory {
+    fn is_invalidated(&mut self) {
+        self.invalidated = true;
+        self.reads.clear();
+        self.overwritten.clear();
+    }
+
+    /// What the bytes from `host` on, which are `now`, were at each read since the line was invalidated, the last
+    /// read first.
+    fn before(&self, host: u32, now: &[u8]) -> impl Iterator<Item = Vec<u8>> {
+        let (mut bytes, mut writes) = (now.to_vec(), self.overwritten.len());
+        self.reads.iter().rev().map(move |&read| {
+            for (first, old) in self.overwritten[read..writes].iter().rev() {
+                for (addr, byte) in (u64::from(*first)..).zip(old) {
+                    let place = addr.checked_sub(host.into()).and_then(|place| bytes.get_mut(place as usize));
+                    place.into_iter().for_each(|place| *place = *byte);
+                }
+            }
+            writes = read;
+            bytes.clone()
+        })
+    }
 }
 
 /// Compares answers word by word, and follows the history of each line.
@@ -97,55 +123,66 @@ struct WordComparison {
     config: CacheConfig,
     observes: Observes,
     host: SparseHost,
-    lines: HashMap<u32, LineHistory>,
+    /// The lines that have been read.
+    lines: BTreeMap<u32, LineHistory>,
+    /// Invalidations so far.
+    invalidations: u64,
     /// Whether hits have differed: from then on ways and victims have to differ.
     traffic_differs: bool,
 }
 
 impl WordComparison {
     fn new(config: CacheConfig, observes: Observes) -> Self {
-        let (host, lines) = (SparseHost::default(), HashMap::new());
-        Self { config, observes, host, lines, traffic_differs: false }
+        let (host, lines) = (SparseHost::default(), BTreeMap::new());
+        Self { config, observes, host, lines, invalidations: 0, traffic_differs: false }
     }
 
-    /// The line that holds an address, and what the host holds of it.
-    fn line(&self, host: u32) -> (u32, Vec<u8>) {
-        let geometry = self.config.geometry;
-        let line = geometry.line_of(HostAddr(host));
-        let mut bytes = vec![0; geometry.line().0 as usize];
-        self.host.read(geometry.first_byte(line), &mut bytes);
-        (line.0, bytes)
+    /// What the host holds.
+    fn bytes(&self, host: u32, len: usize) -> Vec<u8> {
+        let mut bytes = vec![0; len];
+        self.host.read(HostAddr(host), &mut bytes);
+        bytes
+    }
+
+    /// The lines that have been read, of those that a range meets.
+    fn met(&mut self, host: u32, len: u64) -> impl Iterator<Item = (&u32, &mut LineHistory)> {
+        let met = self.config.lines_of(HostAddr(host), len);
+        self.lines.range_mut(met.start as u32..=(met.end - 1) as u32)
     }
 
     /// Takes note of a request.
     fn follow(&mut self, request: &[u8]) {
         match Request::parse(request) {
             Ok(Request::Write { host, digits }) => {
-                self.host.write(host, &hex::bytes(digits).unwrap_or_default());
+                let written = hex::bytes(digits).unwrap_or_default();
+                let old = self.bytes(host, written.len());
+                let geometry = self.config.geometry;
+                for (line, life) in self.met(host, written.len() as u64) {
+                    let first = geometry.first_byte(LineAddr(*line)).0.max(host);
+                    let from = (first - host) as usize;
+                    let end = u64::from(geometry.first_byte(LineAddr(*line)).0) + geometry.line().0;
+                    let to = ((end - u64::from(host)) as usize).min(old.len());
+                    if !life.reads.is_empty() {
+                        life.overwritten.push((first, old[from..to].to_vec()));
+                    }
+                }
+                self.host.write(host, &written);
             }
             Ok(Request::Read { host, .. }) => {
-                let (line, bytes) = self.line(host);
-                let life = self.lines.entry(line).or_default();
-                (life.read, life.invalidated, life.others_invalidated) = (true, false, false);
-                if life.held.last() != Some(&bytes) {
-                    life.held.push(bytes);
+                let line = self.config.geometry.line_of(HostAddr(host));
+                let life = self.lines.entry(line.0).or_default();
+                (life.invalidations, life.invalidated) = (self.invalidations, false);
+                if life.reads.last() != Some(&life.overwritten.len()) {
+                    life.reads.push(life.overwritten.len());
                 }
             }
             Ok(Request::Invalidate { host, len }) => {
-                let met = self.config.lines_of(HostAddr(host), len);
-                for (line, life) in &mut self.lines {
-                    life.others_invalidated = true;
-                    if met.contains(&u64::from(*line)) {
-                        life.invalidated = true;
-                        life.held.clear();
-                    }
-                }
+                self.invalidations += 1;
+                self.met(host, len).for_each(|(_, life)| life.is_invalidated());
             }
             Ok(Request::Flush) => {
-                for life in self.lines.values_mut() {
-                    (life.invalidated, life.others_invalidated) = (true, true);
-                    life.held.clear();
-                }
+                self.invalidations += 1;
+                self.lines.values_mut().for_each(LineHistory::is_invalidated);
             }
             Err(_) => {}
         }
@@ -183,33 +220,36 @@ impl WordComparison {
 
     fn compare_data(&self, host: u32, digits: &[u8], found: &mut dyn FnMut(Difference)) {
         let got = hex::bytes(digits).unwrap_or_default();
-        let (line, now) = self.line(host);
-        let offset = self.config.geometry.offset_of(HostAddr(host)) as usize;
-        let here = |bytes: &[u8]| bytes[offset..][..got.len()] == got[..];
-        let before = self.lines.get(&line).map_or(&[][..], |life| &life.held);
-        if here(&now) || before.iter().any(|bytes| here(bytes)) {
+        let now = self.bytes(host, got.len());
+        if got == now {
             return;
         }
-        let says = if before.iter().all(|bytes| bytes[offset..] == now[offset..]) {
-            "the bytes are not the host's".to_owned()
-        } else {
+        let line = self.config.geometry.line_of(HostAddr(host)).0;
+        let mut changed = false;
+        for before in self.lines.get(&line).iter().flat_map(|life| life.before(host, &now)) {
+            if before == got {
+                return;
+            }
+            changed |= before != now;
+        }
+        let says = if changed {
             "the bytes are neither the host's, nor those that it had at an earlier read since the line was \
              last invalidated"
-                .to_owned()
+        } else {
+            "the bytes are not the host's"
         };
-        found(Difference { level: Level::Data, says, requirement: "VM-9" });
+        found(Difference { level: Level::Data, says: says.to_owned(), requirement: "VM-9" });
     }
 
     fn traffic(&self, host: u32, hits: bool) -> Difference {
-        let line = self.config.geometry.line_of(HostAddr(host)).0;
-        let life = self.lines.get(&line).cloned().unwrap_or_default();
+        let life = self.lines.get(&self.config.geometry.line_of(HostAddr(host)).0);
         let (requirement, says) = match (hits, life) {
-            (true, LineHistory { others_invalidated: true, .. }) => {
+            (true, Some(life)) if life.invalidations < self.invalidations => {
                 ("VM-8", "a miss: the line is resident, and no invalidation since its last read met it")
             }
             (true, _) => ("VM-6", "a miss: the line is resident"),
-            (false, LineHistory { read: false, .. }) => ("VM-4", "a hit: the line was never loaded"),
-            (false, LineHistory { invalidated: true, .. }) => {
+            (false, None) => ("VM-4", "a hit: the line was never loaded"),
+            (false, Some(LineHistory { invalidated: true, .. })) => {
                 ("VM-8", "a hit: the line was invalidated since its last read")
             }
             (false, _) => ("VM-6", "a hit: the line was evicted since its last read"),
@@ -258,5 +298,63 @@ impl WordComparison {
             let (got, right) = (shown(got.evicted), shown(right.evicted));
             differs(requirement, format!("line {got} evicted of {host:x}'s set; {right} is right"));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A comparison of lines of 8 bytes that has followed some requests.
+    fn after(requests: &[&str]) -> WordComparison {
+        let config = config::parse("line=8 lines=2 ways=2 hash=low policy=lru").expect("a configuration");
+        let mut words = WordComparison::new(config, Observes::ALL);
+        requests.iter().for_each(|request| words.follow(request.as_bytes()));
+        words
+    }
+
+    #[test]
+    fn old_bytes_are_right_until_the_line_is_invalidated() {
+        let is_wrong = |words: &WordComparison, host, digits: &str| {
+            let mut wrong = false;
+            words.compare_data(host, digits.as_bytes(), &mut |_| wrong = true);
+            wrong
+        };
+        let mut requests = vec!["w 6 010203", "r 7 1", "w 5 0a0b0c0d", "w 0 ff", "r 0 1", "w 7 0e"];
+        let words = after(&requests);
+        // Byte 7 was 2, 0c and 0e; byte 6 was 1, 0b and 0b.
+        for (digits, wrong) in
+            [("0102", false), ("0b0c", false), ("0b0e", false), ("010c", true), ("010e", true)]
+        {
+            assert_eq!(is_wrong(&words, 6, digits), wrong, "{digits}");
+        }
+        // The next line was not read.
+        assert!(is_wrong(&words, 8, "03") && !is_wrong(&words, 8, "0d"));
+        requests.push("i 4 1");
+        assert!(is_wrong(&after(&requests), 6, "0b0c") && !is_wrong(&after(&requests), 6, "0b0e"));
+        requests.push("r 0 1");
+        assert!(!is_wrong(&after(&requests), 6, "0b0e"));
+    }
+
+    #[test]
+    fn misses_and_hits_name_their_causes() {
+        let cause = |requests: &[&str], hits| after(requests).traffic(0, hits).requirement;
+        assert_eq!((cause(&["r 0 1"], true), cause(&["r 0 1", "i 8 1"], true)), ("VM-6", "VM-8"));
+        assert_eq!((cause(&["r 8 1"], false), cause(&["r 0 1", "flush"], false)), ("VM-4", "VM-8"));
+        assert_eq!(cause(&["r 0 1", "flush", "r 0 1"], false), "VM-6");
+    }
+
+    /// Long lines that are read again and again, and written in between.
+    #[test]
+    fn histories_take_no_more_than_what_was_written() {
+        let config = config::parse("line=65536 lines=2 ways=2 hash=low policy=lru").expect("a configuration");
+        let mut words = WordComparison::new(config, Observes::ALL);
+        for number in 0..10_000 {
+            words.follow(b"r 0 1");
+            words.follow(format!("w {number:x} 01").as_bytes());
+        }
+        let life = &words.lines[&0];
+        assert_eq!((life.reads.len(), life.overwritten.len()), (10_000, 10_000));
+        assert!(life.overwritten.iter().all(|(_, old)| old.len() == 1));
     }
 }
