@@ -6,6 +6,7 @@ mod common;
 
 use common::saarcor;
 use std::fs;
+use std::os::unix::process::ExitStatusExt as _;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -15,7 +16,7 @@ const MARK: &str = "SAARCOR_TEST_MARK";
 /// What the runner may take, of which it needs a tenth.
 const MOST_KIB: u64 = 300 << 10;
 
-/// A run with a marked implementation that has this command.
+/// A run with a marked implementation.
 struct Run {
     child: Child,
     mark: String,
@@ -24,9 +25,15 @@ struct Run {
 }
 
 impl Run {
+    /// One that has this command.
     fn start(command: &str, time_limit: u64) -> Self {
+        Self::start_with(&format!("time_limit = {time_limit}\ncommand = '''{command}'''\n"))
+    }
+
+    /// One that has these lines in its `dut.toml`.
+    fn start_with(lines: &str) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
-        let dut = format!("kind = \"saarcor-vm\"\ntime_limit = {time_limit}\ncommand = '''{command}'''\n");
+        let dut = format!("kind = \"saarcor-vm\"\n{lines}");
         fs::write(folder.path().join("dut.toml"), dut).expect("written");
         let mark = folder.path().display().to_string();
         let mut runner = saarcor(&["conform", "run", &mark, "--json"]);
@@ -112,13 +119,58 @@ fn verdict_is_in_time_and_memory_bounded() {
 
 #[test]
 fn nothing_is_left_when_the_runner_is_ended() {
-    for signal in ["INT", "TERM"] {
-        let mut run = Run::start("setsid sleep 1000 & sleep 1000", 1000);
+    let command = "command = 'setsid sleep 1000 & sleep 1000'\ntime_limit = 1000\n";
+    let build = "build = 'setsid sleep 1000 & sleep 1000 & wait'\ncommand = 'true'\n";
+    for (lines, signal, number) in
+        [(command, "INT", 2), (command, "TERM", 15), (build, "INT", 2), (build, "HUP", 1)]
+    {
+        let mut run = Run::start_with(lines);
         run.wait_for_implementation();
         let kill = Command::new("kill").args(["-s", signal, &run.child.id().to_string()]).status();
         assert!(kill.expect("it starts").success());
-        assert!(!run.child.wait().expect("a child").success());
+        assert_eq!(run.child.wait().expect("a child").signal(), Some(number), "{lines}");
         assert_eq!(marked(&run.mark), Vec::<String>::new(), "{signal}");
+    }
+}
+
+/// Then the runner can do nothing itself. What leaves its group is out of reach.
+#[test]
+fn nothing_is_left_when_the_runner_is_killed() {
+    for lines in [
+        "command = 'sleep 1000 & sleep 1000'\ntime_limit = 1000\n",
+        "build = 'yes > /dev/null & yes'\ncommand = 'true'\n",
+        "build = 'sleep 1000 & sleep 1000'\ncommand = 'true'\n",
+    ] {
+        let mut run = Run::start_with(lines);
+        run.wait_for_implementation();
+        run.child.kill().expect("it can be killed");
+        run.child.wait().expect("a child");
+        let began = Instant::now();
+        while !marked(&run.mark).is_empty() {
+            assert!(began.elapsed() < Duration::from_secs(60), "{lines}: {:?}", marked(&run.mark));
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}
+
+/// Builds that write, or run, without end are bad input; nothing of what they write is kept.
+#[test]
+fn builds_are_ended() {
+    for (build, says) in [
+        ("yes", "writes more than 64 MiB"),
+        ("cat /dev/zero >&2 & sleep 1000", "writes more than 64 MiB"),
+        ("sleep 1000", "not done within 0.5 s, its build_limit"),
+        ("setsid sleep 1000 & sleep 1000", "not done within 0.5 s, its build_limit"),
+        ("echo wrong; exit 3", "ended with status 3: wrong"),
+    ] {
+        let limit = if says.contains("0.5 s") { 0.5 } else { 600.0 };
+        let run =
+            Run::start_with(&format!("build = '{build}'\nbuild_limit = {limit:.1}\ncommand = 'true'\n"));
+        let (mark, output) = (run.mark.clone(), run.child.wait_with_output().expect("it ends"));
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{build}: {stderr}");
+        assert!(stderr.trim_end().ends_with(says) && stderr.lines().count() == 1, "{build}: {stderr}");
+        assert_eq!(marked(&mark), Vec::<String>::new(), "{build}");
     }
 }
 

@@ -54,6 +54,7 @@
 //! | [`hex`] | numbers and bytes as text |
 //! | [`implementation`], [`server`] | an implementation in Rust; the protocol around it |
 //! | [`dut`], [`process`], [`shared_library`] | an implementation under test: in process, as a child process, as a library |
+//! | [`children`] | processes that are started, and none of which is left |
 //! | [`target`] | `dut.toml` and command lines |
 //! | [`scoreboard`], [`comparison`] | compares answers with the model's, and keeps what differs |
 //! | [`plan`], [`run`], [`deadline`] | which sessions are run; all of them, and the report; when they are stopped |
@@ -63,6 +64,10 @@
 //! | [`templates`] | implementations to copy, and faults to plant into them |
 //! | [`error`] | what is wrong with input, where, and what would be right |
 
+#[cfg(unix)]
+mod build;
+#[cfg(unix)]
+pub mod children;
 pub mod chip;
 pub mod comparison;
 pub mod coverage;

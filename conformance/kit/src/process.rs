@@ -1,6 +1,7 @@
 //! An implementation as a child process: written to and read from at once, within a time limit, in
 //! bounded memory, and gone afterwards with all that it started.
 
+use crate::children::{LeaderEnd, ProcessGroup};
 use crate::deadline::Deadline;
 use crate::dut::{ConversationEnd, Dut, Timeout};
 use crate::error::Error;
@@ -10,15 +11,10 @@ use crate::vm::config::MAX_LINE_BYTES;
 use memchr::memchr;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
-use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-use signal_hook::iterator::Signals;
 use std::io::{ErrorKind, Read, Write};
 use std::os::fd::AsFd;
-use std::os::unix::process::CommandExt as _;
 use std::path::PathBuf;
-use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, Stdio};
-use std::sync::RwLock;
+use std::process::{ChildStderr, ChildStdin, ChildStdout, Stdio};
 use std::time::{Duration, Instant};
 
 /// Bytes that are read and written at a time: what a pipe holds.
@@ -31,6 +27,8 @@ const STDERR_KEPT: usize = 4096;
 const EXIT_GRACE: Duration = Duration::from_millis(100);
 /// Time between two checks whether a conversation is stopped.
 const STOP_POLL: Duration = Duration::from_millis(50);
+/// Answers between two looks at the clock.
+const ANSWERS_PER_LOOK: usize = 4;
 /// Time between two checks of a process that is about to exit.
 const EXIT_POLL: Duration = Duration::from_millis(1);
 
@@ -54,7 +52,7 @@ impl Dut for Process {
     ) -> Result<ConversationEnd, Error> {
         let mut running = RunningProcess::start(self)?;
         let timeout = running.hold(session.text(), scoreboard, self.time_limit, deadline);
-        running.kill();
+        running.group.kill();
         running.read_stderr();
         Ok(ConversationEnd { timeout, stderr: String::from_utf8_lossy(&running.stderr_tail).into_owned() })
     }
@@ -64,79 +62,9 @@ impl Dut for Process {
     }
 }
 
-/// The command for a shell, in a process group of its own.
-pub(crate) fn shell(command: &str, folder: Option<&PathBuf>) -> Command {
-    let mut shell = Command::new("sh");
-    shell.args(["-c", command]).process_group(0);
-    if let Some(folder) = folder {
-        shell.current_dir(folder);
-    }
-    shell
-}
-
-/// Kills a process with all of its group, and takes its end.
-pub(crate) fn kill_group(child: &mut Child) {
-    // Both fail only where there is nothing left to kill.
-    let _ = kill_process_group(Pid::from_child(child), Signal::KILL);
-    let _ = child.wait();
-}
-
-/// Lets this process inherit what implementations leave behind, so that [`kill_strays`] finds it.
-pub fn adopt_strays() {
-    #[cfg(target_os = "linux")]
-    // Where it fails, strays are the system's, as they are elsewhere.
-    let _ = rustix::process::set_child_subreaper(Some(rustix::process::getpid()));
-}
-
-/// Held for reading while a process is started, and for writing once no process may start any more.
-static STARTING: RwLock<()> = RwLock::new(());
-
-/// Has all children killed before this process ends by a signal: they are in groups of their own, and
-/// an interrupt at the terminal does not reach them.
-///
-/// # Errors
-/// Where signals cannot be waited for.
-pub fn kill_all_when_ended() -> Result<(), Error> {
-    let mut signals =
-        Signals::new([SIGINT, SIGTERM, SIGHUP]).map_err(Error::system("signals cannot be waited for"))?;
-    std::thread::spawn(move || {
-        if let Some(signal) = signals.forever().next() {
-            let _none_is_started = STARTING.write();
-            kill_strays();
-            // Ends this process as the signal would have.
-            let _ = signal_hook::low_level::emulate_default_handler(signal);
-        }
-    });
-    Ok(())
-}
-
-/// Kills all processes that this one has inherited. For the end of a run: what else this process
-/// has started is killed too.
-pub fn kill_strays() {
-    #[cfg(target_os = "linux")]
-    while let Some(stray) = children().first() {
-        let _ = rustix::process::kill_process(*stray, Signal::KILL);
-        let _ = rustix::process::waitpid(Some(*stray), rustix::process::WaitOptions::empty());
-    }
-}
-
-/// The children of this process.
-#[cfg(target_os = "linux")]
-fn children() -> Vec<Pid> {
-    let parent = |stat: &str| stat.rsplit(')').next()?.split_ascii_whitespace().nth(1)?.parse::<i32>().ok();
-    let mine = rustix::process::getpid().as_raw_nonzero().get();
-    let processes = std::fs::read_dir("/proc").into_iter().flatten().flatten();
-    let numbers = processes.filter_map(|entry| entry.file_name().to_str()?.parse::<i32>().ok());
-    let children = numbers.filter(|number| {
-        let stat = std::fs::read_to_string(format!("/proc/{number}/stat"));
-        stat.is_ok_and(|stat| parent(&stat) == Some(mine))
-    });
-    children.filter_map(Pid::from_raw).collect()
-}
-
-/// A process with its pipes. However it is dropped, its group is killed.
+/// A process with its pipes.
 struct RunningProcess {
-    child: Child,
+    group: ProcessGroup,
     stdin: Option<ChildStdin>,
     stdout: ChildStdout,
     stderr: Option<ChildStderr>,
@@ -156,15 +84,14 @@ enum ReadOutcome {
 
 impl RunningProcess {
     fn start(process: &Process) -> Result<Self, Error> {
-        let mut command = shell(&process.command, process.folder.as_ref());
-        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let _may_start = STARTING.read();
-        let started = command.spawn();
-        let mut child = started.map_err(Error::system(format!("'{}' cannot be started", process.command)))?;
-        let (stdin, stdout, stderr) = (child.stdin.take(), child.stdout.take(), child.stderr.take());
+        let mut group = ProcessGroup::start(&process.command, process.folder.as_deref(), |command| {
+            command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        })?;
+        let leader = &mut group.leader;
+        let (stdin, stdout, stderr) = (leader.stdin.take(), leader.stdout.take(), leader.stderr.take());
         let stdout = stdout.ok_or("standard output of the implementation")?;
         let running = Self {
-            child,
+            group,
             stdin,
             stdout,
             stderr,
@@ -186,11 +113,11 @@ impl RunningProcess {
         limit: Duration,
         deadline: &Deadline,
     ) -> Option<Timeout> {
-        let began = Instant::now();
-        let mut last_answer = began;
+        let ends = Instant::now() + limit;
+        let mut last_answer = Instant::now();
         let mut sent = 0;
         while !matches!(scoreboard.stage(), Stage::Broken | Stage::Unsupported) {
-            let left = limit.saturating_sub(began.elapsed());
+            let left = ends.saturating_duration_since(Instant::now());
             if left.is_zero() {
                 let silent = last_answer.elapsed() > limit / 2;
                 return Some(if silent { self.hung(scoreboard, limit) } else { Timeout::Slow });
@@ -199,10 +126,12 @@ impl RunningProcess {
                 return Some(Timeout::Stopped);
             }
             self.wait(left.min(deadline.left()).min(STOP_POLL));
-            match self.read_answers(scoreboard, sent) {
+            // What the model takes for its own answers counts too.
+            let is_over = || Instant::now() >= ends || deadline.has_come();
+            match self.read_answers(scoreboard, sent, &is_over) {
                 ReadOutcome::Answers => last_answer = Instant::now(),
                 ReadOutcome::Nothing => {}
-                ReadOutcome::EndOfFile => return self.ended(scoreboard, began + limit, deadline),
+                ReadOutcome::EndOfFile => return self.ended(scoreboard, ends, deadline),
             }
             self.read_stderr();
             sent += self.write(&text[sent..]);
@@ -231,8 +160,13 @@ impl RunningProcess {
         let _ = poll(&mut fds, Some(&left));
     }
 
-    /// Hands whole lines to the scoreboard; takes what one read gives.
-    fn read_answers(&mut self, scoreboard: &mut Scoreboard<'_>, sent: usize) -> ReadOutcome {
+    /// Hands whole lines to the scoreboard; takes what one read gives, while there is time.
+    fn read_answers(
+        &mut self,
+        scoreboard: &mut Scoreboard<'_>,
+        sent: usize,
+        is_over: &dyn Fn() -> bool,
+    ) -> ReadOutcome {
         if self.pending == self.answers.len() {
             if self.answers.len() >= MAX_ANSWER {
                 let says = format!("an answer of more than {MAX_ANSWER} bytes without a newline");
@@ -251,10 +185,12 @@ impl RunningProcess {
         };
         let end = self.pending + read;
         let mut begin = 0;
-        while let Some(length) = memchr(b'\n', &self.answers[begin..end]) {
+        for number in 1.. {
+            let Some(length) = memchr(b'\n', &self.answers[begin..end]) else { break };
             scoreboard.answer(&self.answers[begin..begin + length], sent);
             begin += length + 1;
-            if matches!(scoreboard.stage(), Stage::Broken | Stage::Unsupported) {
+            let broken = matches!(scoreboard.stage(), Stage::Broken | Stage::Unsupported);
+            if broken || (number % ANSWERS_PER_LOOK == 0 && is_over()) {
                 break;
             }
         }
@@ -306,16 +242,16 @@ impl RunningProcess {
         // After the end it has all of its time to exit. Before, only how it exits is still of interest.
         let all_answered = scoreboard.stage() == Stage::Ended && self.pending == 0;
         let exit_by = if all_answered { exit_by } else { exit_by.min(Instant::now() + EXIT_GRACE) };
-        let mut exit = self.exit();
+        let mut exit = self.group.end();
         while exit.is_none() && Instant::now() < exit_by {
             if deadline.has_come() {
                 return Some(Timeout::Stopped);
             }
             std::thread::sleep(EXIT_POLL);
             self.read_stderr();
-            exit = self.exit();
+            exit = self.group.end();
         }
-        let how = exit.as_deref().unwrap_or("closed its output");
+        let how = exit.map_or("closed its output".to_owned(), |exit| exit.to_string());
         if scoreboard.stage() != Stage::Ended {
             let more = if self.pending > 0 { ", in the middle of an answer" } else { "" };
             scoreboard.silent("P-7", &format!("the implementation {how}{more}"));
@@ -324,36 +260,10 @@ impl RunningProcess {
         } else if exit.is_none() {
             scoreboard.misbehaves("P-6", "does not end within the time limit after 'end'");
             return Some(Timeout::Hung);
-        } else if how != SUCCESS {
+        } else if !exit.is_some_and(LeaderEnd::is_success) {
             scoreboard.misbehaves("P-6", &format!("the implementation {how} after 'end'"));
         }
         None
-    }
-
-    /// How the process has ended, if it has. It stays a zombie, so that its group's number is not
-    /// given to another.
-    fn exit(&self) -> Option<String> {
-        let options = WaitIdOptions::EXITED | WaitIdOptions::NOWAIT | WaitIdOptions::NOHANG;
-        let status = waitid(WaitId::Pid(Pid::from_child(&self.child)), options).ok()??;
-        Some(match (status.exit_status(), status.terminating_signal()) {
-            (Some(0), _) => SUCCESS.to_owned(),
-            (Some(status), _) => format!("ended with status {status}"),
-            (None, Some(signal)) => format!("was ended by signal {signal}"),
-            (None, None) => "ended".to_owned(),
-        })
-    }
-
-    /// Kills the process with all of its group, and takes its end.
-    fn kill(&mut self) {
-        kill_group(&mut self.child);
-    }
-}
-
-const SUCCESS: &str = "ended with status 0";
-
-impl Drop for RunningProcess {
-    fn drop(&mut self) {
-        self.kill();
     }
 }
 

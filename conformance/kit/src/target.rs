@@ -11,7 +11,6 @@ use crate::vm::Vm;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 #[cfg(unix)]
-use std::process::Stdio;
 use std::time::Duration;
 
 /// Seconds that a session may take where nothing is said (Assumed).
@@ -20,10 +19,10 @@ pub const TIME_LIMIT: f64 = 10.0;
 /// Seconds to answer a hello, before a kind is assumed.
 const PROBE_LIMIT: f64 = 1.0;
 
-/// Seconds that a build may take.
-const BUILD_LIMIT: Duration = Duration::from_secs(600);
+/// Seconds that a build may take where nothing is said (Assumed).
+pub const BUILD_LIMIT: f64 = 300.0;
 
-/// Longest time limit in seconds: an hour.
+/// Longest time limits in seconds: an hour.
 const MAX_TIME_LIMIT: f64 = 3600.0;
 
 /// The file `dut.toml`.
@@ -37,6 +36,9 @@ pub struct DutFile {
     pub needs: Vec<String>,
     /// Command line that builds the implementation, in the folder of the file.
     pub build: Option<String>,
+    /// Seconds that the build may take.
+    #[serde(default = "default_build_limit")]
+    pub build_limit: f64,
     /// Command line that starts it, in the same folder.
     pub command: Option<String>,
     /// Shared library in the same folder that offers the same as calls.
@@ -53,6 +55,10 @@ pub struct DutFile {
 
 fn default_time_limit() -> f64 {
     TIME_LIMIT
+}
+
+fn default_build_limit() -> f64 {
+    BUILD_LIMIT
 }
 
 impl DutFile {
@@ -85,12 +91,12 @@ impl DutFile {
             1..=MAX_TOLERANCE => {}
             more => return Err(format!("tolerance = {more}: at most {MAX_TOLERANCE} thousandths").into()),
         }
-        if !(file.time_limit > 0.0 && file.time_limit <= MAX_TIME_LIMIT) {
-            let limit = file.time_limit;
-            return Err(format!(
-                "time_limit = {limit}: it is a number of seconds from 0 to {MAX_TIME_LIMIT}"
-            )
-            .into());
+        for (key, limit) in [("time_limit", file.time_limit), ("build_limit", file.build_limit)] {
+            if !(limit > 0.0 && limit <= MAX_TIME_LIMIT) {
+                return Err(
+                    format!("{key} = {limit}: it is a number of seconds from 0 to {MAX_TIME_LIMIT}").into()
+                );
+            }
         }
         Ok(file)
     }
@@ -138,7 +144,8 @@ pub struct Target {
     pub dut: Box<dyn Dut>,
     /// The same with a short time limit, to ask for its kind.
     pub probe: Box<dyn Dut>,
-    build: Option<(String, PathBuf)>,
+    /// The command line that builds it, the folder of that, and the seconds that it may take.
+    build: Option<(String, PathBuf, f64)>,
 }
 
 impl Target {
@@ -202,52 +209,19 @@ impl Target {
             tolerance: file.tolerance,
             dut: process(command.clone(), Some(folder.to_owned()), limit)?,
             probe: process(command, Some(folder.to_owned()), limit.min(PROBE_LIMIT))?,
-            build: file.build.map(|build| (build, folder.to_owned())),
+            build: file.build.map(|build| (build, folder.to_owned(), file.build_limit)),
         })
     }
 
     /// Builds the implementation, where `dut.toml` says how.
     ///
     /// # Errors
-    /// Where the build fails, with the end of its output.
+    /// Where the build fails, with the end of its output; where it takes too long, or writes without end.
     #[cfg(unix)]
     pub fn build(&self) -> Result<(), Error> {
-        let Some((command, folder)) = &self.build else { return Ok(()) };
-        let no_file = "file for the output of the build";
-        let said = tempfile::NamedTempFile::new().map_err(Error::system(no_file))?;
-        let output = || {
-            let file = said.as_file().try_clone().map_err(Error::system(no_file))?;
-            Ok::<_, Error>(Stdio::from(file))
-        };
-        let fails = |why: String| Error::Build {
-            command: command.clone(),
-            folder: folder.display().to_string(),
-            why,
-        };
-        let mut shell = crate::process::shell(command, Some(folder));
-        shell.stdin(Stdio::null()).stdout(output()?).stderr(output()?);
-        let mut child = shell.spawn().map_err(Error::system(format!("'{command}' cannot be started")))?;
-        let began = std::time::Instant::now();
-        let status = loop {
-            if let Some(status) =
-                child.try_wait().map_err(Error::system(format!("'{command}' cannot be waited for")))?
-            {
-                break status;
-            }
-            if began.elapsed() > BUILD_LIMIT {
-                crate::process::kill_group(&mut child);
-                return Err(fails(format!("not done within {} s", BUILD_LIMIT.as_secs())));
-            }
-            std::thread::sleep(Duration::from_millis(5));
-        };
-        if !status.success() {
-            let text = std::fs::read(said.path()).map_err(Error::system(no_file))?;
-            let text = String::from_utf8_lossy(&text);
-            let last: Vec<_> = text.lines().rev().take(3).collect();
-            let last: Vec<_> = last.into_iter().rev().collect();
-            return Err(fails(format!("{status}: {}", last.join(" | "))));
-        }
-        Ok(())
+        let Some((command, folder, limit)) = &self.build else { return Ok(()) };
+        let time_limit = duration(*limit)?;
+        crate::build::Build { command: command.clone(), folder: folder.clone(), time_limit }.run()
     }
 
     /// Builds the implementation, where `dut.toml` says how.
@@ -262,8 +236,12 @@ impl Target {
 
 #[cfg(unix)]
 fn process(command: String, folder: Option<PathBuf>, limit: f64) -> Result<Box<dyn Dut>, Error> {
-    let time_limit = Duration::try_from_secs_f64(limit).map_err(|error| format!("time limit: {error}"))?;
-    Ok(Box::new(crate::process::Process { command, folder, time_limit }))
+    Ok(Box::new(crate::process::Process { command, folder, time_limit: duration(limit)? }))
+}
+
+#[cfg(unix)]
+fn duration(seconds: f64) -> Result<Duration, Error> {
+    Duration::try_from_secs_f64(seconds).map_err(|error| format!("time limit: {error}").into())
 }
 
 #[cfg(not(unix))]
@@ -297,6 +275,7 @@ mod tests {
             ("= 1", "= -1", "seconds"),
             ("= 1", "= nan", "seconds"),
             ("= 1", "= 'a", "line 3"),
+            ("time_limit = 1", "build_limit = 1e9", "build_limit = 1000000000: it is"),
             ("command", "#", "command"),
             ("command = ", "kind = 'saarcor-hash'\nlibrary = ", "duplicate"),
             ("command = \"./cache\"", "", "command is missing"),

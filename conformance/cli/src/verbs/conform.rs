@@ -19,7 +19,7 @@ use saarcor_kit::session::Session;
 use saarcor_kit::target::{Target, TargetOptions, shell_word as quoted};
 use saarcor_kit::templates::{TEMPLATES, faults};
 use saarcor_kit::vm::{Vm, trace};
-use saarcor_kit::{process, shared_library};
+use saarcor_kit::{children, shared_library};
 use saarcor_studies::accuracy::suites::SUITES;
 use saarcor_studies::names::nearest;
 use std::fs;
@@ -139,10 +139,10 @@ impl RunArgs {
                 writeln!(std::io::stderr(), "saarcor: {}: needs {missing}, not found in the path", self.dut);
             return Ok(Status::Incomplete);
         }
-        process::adopt_strays();
-        process::kill_all_when_ended()?;
+        children::adopt_strays();
+        children::kill_all_when_ended()?;
         let report = target.build().map_err(Into::into).and_then(|()| self.report(&target, named, progress));
-        process::kill_strays();
+        children::kill_strays();
         let mut report = report?;
         self.keep_minimal(&mut report)?;
         if let Some(file) = junit {
