@@ -38,7 +38,7 @@ fuzz_target!(|input: &[u8]| {
         }
         kind.simpler_configs(session.config());
         for request in session.requests() {
-            kind.simpler_requests(session, request);
+            kind.simpler_requests(session, request).for_each(drop);
         }
         kind.coverage().add(session);
         let read_back = String::from_utf8(session.to_suite()).expect("text");

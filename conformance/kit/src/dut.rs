@@ -71,12 +71,15 @@ impl Dut for InProcess {
         &self,
         session: &Session,
         scoreboard: &mut Scoreboard<'_>,
-        _: &Deadline,
+        deadline: &Deadline,
     ) -> Result<ConversationEnd, Error> {
         let mut server = Server::new(&*self.make);
         let mut answer = Vec::new();
         let mut at = 0;
         while let Some((line, next)) = session.request_at(at) {
+            if deadline.has_come() {
+                return Ok(ConversationEnd { timeout: Some(Timeout::Stopped), ..ConversationEnd::default() });
+            }
             answer.clear();
             server.answer(line, &mut answer);
             scoreboard.answer(answer.trim_ascii_end(), next);

@@ -5,7 +5,7 @@ use crate::coverage::{Coverage, CoverageCount};
 use crate::error::Error;
 use crate::hex;
 use crate::implementation::Implementation;
-use crate::kind::{Kind, Oracle};
+use crate::kind::{Candidates, Kind, Oracle};
 use crate::level::Level;
 use crate::session::Session;
 use crate::suites;
@@ -155,10 +155,10 @@ impl Kind for SetHash {
     }
 
     /// The line without each of its bits.
-    fn simpler_requests(&self, _session: &Session, request: &[u8]) -> Vec<String> {
-        let Ok(LineAddr(line)) = line_of(request) else { return Vec::new() };
-        let bits = (0..32).rev().filter(|bit| line >> bit & 1 == 1);
-        bits.map(|bit| format!("s {:x}", line & !(1 << bit))).collect()
+    fn simpler_requests<'a>(&self, _session: &Session, request: &'a [u8]) -> Candidates<'a, String> {
+        let line = line_of(request).map_or(0, |line| line.0);
+        let bits = (0..32).rev().filter(move |bit| line >> bit & 1 == 1);
+        Box::new(bits.map(move |bit| format!("s {:x}", line & !(1 << bit))))
     }
 
     fn coverage(&self) -> Box<dyn Coverage> {

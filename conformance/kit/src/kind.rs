@@ -8,6 +8,9 @@ use crate::level::Level;
 use crate::session::Session;
 use std::borrow::Cow;
 
+/// What shrinking may try, one after the other.
+pub type Candidates<'a, T> = Box<dyn Iterator<Item = T> + 'a>;
+
 /// A kind of implementation: its requests, its suites, and how its answers are compared.
 pub trait Kind: Sync {
     /// The hello: name and version of the protocol, such as `saarcor-vm 1`.
@@ -80,14 +83,15 @@ pub trait Kind: Sync {
         Vec::new()
     }
 
-    /// Requests that are simpler than one, the boldest first.
-    fn simpler_requests(&self, _session: &Session, _request: &[u8]) -> Vec<String> {
-        Vec::new()
+    /// Requests that are simpler than one, the boldest first. Each is made when it is asked for.
+    fn simpler_requests<'a>(&self, _session: &Session, _request: &'a [u8]) -> Candidates<'a, String> {
+        Box::new(std::iter::empty())
     }
 
-    /// Sessions that are simpler as a whole, where one simplification changes several requests.
-    fn simpler_sessions(&self, _session: &Session) -> Vec<Session> {
-        Vec::new()
+    /// Sessions that are simpler as a whole, where one simplification changes several requests. Each is made when
+    /// it is asked for: together they would take the square of a session's length.
+    fn simpler_sessions<'a>(&self, _session: &'a Session) -> Candidates<'a, Session> {
+        Box::new(std::iter::empty())
     }
 
     /// The model's state before the request of that number, from 0 on, for a person; empty where there is

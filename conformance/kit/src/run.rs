@@ -86,7 +86,8 @@ fn failure(
     deadline: &Deadline,
 ) -> Result<Failure, Error> {
     let &Run { dut, kind, options, .. } = run;
-    let session = &run.session(result.place);
+    let session = run.session(result.place);
+    let found_requests = session.requests().count();
     let mut trouble = None;
     let mut fails = |session: &Session| {
         let mut scoreboard = Scoreboard::new(kind, session, options.highest());
@@ -98,6 +99,7 @@ fn failure(
             |found: &&Finding| found.level == finding.level && found.requirement == finding.requirement;
         scoreboard.findings().iter().find(same).cloned()
     };
+    // A long session is not kept beside the one that it is shrunk to.
     let ShrinkResult { session: minimal, finding, cut_short } =
         if result.timeout.is_some() || deadline.has_come() {
             // Each try would take the time limit again: only the requests behind the failing one are left out.
@@ -109,18 +111,17 @@ fn failure(
     if let Some(error) = trouble {
         return Err(error);
     }
-    let requirement = requirement(session, &finding);
     Ok(Failure {
-        requirement,
+        requirement: requirement(&minimal, &finding),
         level: finding.level,
-        session: session.name.clone(),
+        session: minimal.name.clone(),
         row: result.row.clone(),
-        idea: session.idea.clone(),
+        idea: minimal.idea.clone(),
         says: finding.says.clone(),
         suite: minimal.to_suite(),
         minimal: shown_lines(minimal.text()),
         minimal_requests: minimal.requests().count(),
-        found_requests: session.requests().count(),
+        found_requests,
         cut_short,
         state_before: finding.request.map(|request| kind.state_before(&minimal, request)).unwrap_or_default(),
         asked: finding.asked.clone(),

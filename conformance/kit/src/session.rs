@@ -7,6 +7,8 @@ use std::ops::Range;
 
 /// Begins a line of a suite file that is about the session and not part of it.
 const ABOUT: &str = "#:";
+/// The line that ends a conversation.
+const END: &[u8] = b"end\n";
 
 /// One conversation: the hello, the configuration, requests, and the end.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,12 +31,21 @@ impl Session {
     /// The session of these parts; requests are lines, each with its newline.
     #[must_use]
     pub fn new(name: &str, hello: &str, config: &str, requests: &[u8]) -> Self {
+        Self::made(name, hello, config, requests.len(), |text| text.extend_from_slice(requests))
+    }
+
+    /// The session of these parts, whose requests, of about so many bytes, `push` appends: a long one is in
+    /// memory once.
+    fn made(name: &str, hello: &str, config: &str, bytes: usize, push: impl FnOnce(&mut Vec<u8>)) -> Self {
         let mut text = format!("{hello}\nconfig {config}\n").into_bytes();
         let hello = 0..hello.len();
         let config = text.len() - config.len() - 1..text.len() - 1;
-        let body = text.len()..text.len() + requests.len();
-        text.extend_from_slice(requests);
-        text.extend_from_slice(b"end\n");
+        let begin = text.len();
+        text.reserve_exact(bytes + END.len());
+        push(&mut text);
+        let body = begin..text.len();
+        text.extend_from_slice(END);
+        text.shrink_to_fit();
         Self {
             name: name.to_owned(),
             requirement: None,
@@ -191,23 +202,43 @@ impl Session {
     /// The same session with other requests.
     #[must_use]
     pub fn with_requests<'a>(&self, requests: impl IntoIterator<Item = &'a [u8]>) -> Self {
-        let mut body = Vec::new();
-        for request in requests {
-            body.extend_from_slice(request);
-            body.push(b'\n');
-        }
-        self.with(self.config(), &body)
+        self.with(self.config(), |text| {
+            for request in requests {
+                text.extend_from_slice(request);
+                text.push(b'\n');
+            }
+        })
+    }
+
+    /// The same session with another request at a place, from 0 on.
+    #[must_use]
+    pub fn with_request(&self, place: usize, request: &[u8]) -> Self {
+        let others = self.requests().enumerate();
+        self.with_requests(others.map(|(other, line)| if other == place { request } else { line }))
+    }
+
+    /// The same session with those of its requests whose places are in `kept`.
+    #[must_use]
+    pub fn with_those(&self, kept: impl Fn(usize) -> bool) -> Self {
+        self.with_requests(
+            self.requests().enumerate().filter(|(place, _)| kept(*place)).map(|(_, line)| line),
+        )
     }
 
     /// The same session with another configuration.
     #[must_use]
     pub fn with_config(&self, config: &str) -> Self {
-        self.with(config, &self.text[self.body.clone()])
+        self.with(config, |text| text.extend_from_slice(&self.text[self.body.clone()]))
     }
 
-    fn with(&self, config: &str, body: &[u8]) -> Self {
+    fn with(&self, config: &str, push: impl FnOnce(&mut Vec<u8>)) -> Self {
         let (requirement, level, idea) = (self.requirement.clone(), self.level, self.idea.clone());
-        Self { requirement, level, idea, ..Self::new(&self.name, self.hello(), config, body) }
+        Self {
+            requirement,
+            level,
+            idea,
+            ..Self::made(&self.name, self.hello(), config, self.body.len(), push)
+        }
     }
 }
 

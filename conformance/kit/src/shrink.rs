@@ -4,9 +4,12 @@ use crate::deadline::Deadline;
 use crate::kind::Kind;
 use crate::scoreboard::Finding;
 use crate::session::Session;
+use std::rc::Rc;
 
 /// Conversations that are held at most to shrink one session.
 const MAX_TRIES: usize = 1000;
+/// Requests of a session that is long: whole parts are left out before single requests are looked at.
+const LONG: usize = 1000;
 
 /// Runs a session; what it finds, if it fails in the same way.
 pub type Fails<'a> = dyn FnMut(&Session) -> Option<Finding> + 'a;
@@ -24,32 +27,38 @@ pub struct ShrinkResult {
 
 /// A session that fails like `session` and from which no single request can be left out, in the
 /// simplest configuration that was found; when `deadline` comes, the shortest by then.
+///
+/// Of a long session a copy or two are in memory at a time, and each try looks at the clock before it is made.
 pub fn shrink(
     kind: &dyn Kind,
-    session: &Session,
+    session: Session,
     finding: &Finding,
     deadline: &Deadline,
     fails: &mut Fails<'_>,
 ) -> ShrinkResult {
-    let requests = session.requests().map(<[u8]>::to_vec).collect();
-    let (session, finding) = (session.clone(), finding.clone());
+    let (count, session, finding) = (session.requests().count(), Rc::new(session), finding.clone());
     let mut shrinking =
-        Shrinker { kind, session, requests, finding, deadline, fails, tries: 0, cut_short: false };
+        Shrinker { kind, session, count, finding, deadline, fails, tries: 0, cut_short: false };
     shrinking.cut();
+    shrinking.begin_late();
+    if shrinking.count > LONG {
+        shrinking.leave_out();
+    }
     // Leaving out parts of a scene gives another scene, which is harder to simplify than the whole.
     shrinking.simplify_session();
     shrinking.simplify_session();
     shrinking.simplify_config();
     shrinking.simplify_requests();
     let Shrinker { session, finding, cut_short, .. } = shrinking;
-    ShrinkResult { session, finding, cut_short }
+    ShrinkResult { session: Rc::unwrap_or_clone(session), finding, cut_short }
 }
 
 struct Shrinker<'a, 'f> {
     kind: &'a dyn Kind,
-    /// The shortest that fails, and its requests.
-    session: Session,
-    requests: Vec<Vec<u8>>,
+    /// The shortest that fails.
+    session: Rc<Session>,
+    /// Its requests.
+    count: usize,
     finding: Finding,
     deadline: &'a Deadline,
     fails: &'a mut Fails<'f>,
@@ -72,43 +81,56 @@ impl Shrinker<'_, '_> {
         }
         self.tries += 1;
         let Some(finding) = (self.fails)(&session) else { return false };
-        self.requests = session.requests().map(<[u8]>::to_vec).collect();
-        (self.session, self.finding) = (session, finding);
+        self.count = session.requests().count();
+        (self.session, self.finding) = (Rc::new(session), finding);
         true
     }
 
-    fn take_requests(&mut self, requests: &[Vec<u8>]) -> bool {
-        self.take(self.session.with_requests(requests.iter().map(Vec::as_slice)))
+    /// The same with the requests whose places are `kept`, which are made only while there is time.
+    fn take_those(&mut self, kept: impl Fn(usize) -> bool) -> bool {
+        !self.is_over() && self.take(self.session.with_those(kept))
     }
 
     /// Leaves out what follows the request that fails.
     fn cut(&mut self) {
-        if let Some(last) = self.finding.request.filter(|last| last + 1 < self.requests.len()) {
-            let requests = self.requests[..=last].to_vec();
-            self.take_requests(&requests);
+        if let Some(last) = self.finding.request.filter(|last| last + 1 < self.count) {
+            self.take_those(|place| place <= last);
+        }
+    }
+
+    /// Leaves out what stands before a flush, with which all begins anew: the last one, or as few before it
+    /// as are needed, within a factor of two.
+    fn begin_late(&mut self) {
+        let lines = self.session.requests().enumerate();
+        let flushes: Vec<usize> = lines.filter(|(_, line)| *line == FLUSH).map(|(place, _)| place).collect();
+        let backwards = std::iter::successors(Some(1), |back| Some(2 * back));
+        for back in backwards.take_while(|back| *back <= flushes.len()) {
+            let flush = flushes[flushes.len() - back];
+            if self.take_those(|place| place > flush) {
+                self.cut();
+                return;
+            }
         }
     }
 
     /// Leaves out ever smaller parts, until no single request can be.
     fn leave_out(&mut self) {
-        let mut part = (self.requests.len() / 2).max(1);
+        let mut part = (self.count / 2).max(1);
         loop {
             let mut left_out = false;
             // From the end on: what fails stands there, and what it needs often shortly before.
-            let mut end = self.requests.len();
+            let mut end = self.count;
             while end > 0 {
                 // Going through the parts of a long session takes time, even where none is tried.
                 if self.is_over() {
                     return;
                 }
                 let begin = end.saturating_sub(part);
-                let mut requests = self.requests.clone();
-                requests.drain(begin..end);
-                if self.take_requests(&requests) {
+                if self.take_those(|place| !(begin..end).contains(&place)) {
                     left_out = true;
                     self.cut();
                 }
-                end = begin.min(self.requests.len());
+                end = begin.min(self.count);
             }
             if part > 1 {
                 part /= 2;
@@ -119,18 +141,30 @@ impl Shrinker<'_, '_> {
     }
 
     fn simplify_session(&mut self) {
-        while self.kind.simpler_sessions(&self.session).into_iter().any(|session| {
-            session.requests().count() <= self.requests.len() && session != self.session && self.take(session)
-        }) {
+        while self.take_simpler_session() {
             self.cut();
         }
         self.leave_out();
     }
 
+    fn take_simpler_session(&mut self) -> bool {
+        let (session, kind) = (Rc::clone(&self.session), self.kind);
+        for simpler in kind.simpler_sessions(&session) {
+            if self.is_over() {
+                return false;
+            }
+            if simpler.requests().count() <= self.count && simpler != *session && self.take(simpler) {
+                return true;
+            }
+        }
+        false
+    }
+
     fn simplify_config(&mut self) {
         loop {
             let simpler = self.kind.simpler_configs(self.session.config());
-            if !simpler.iter().any(|config| self.take(self.session.with_config(config))) {
+            let taken = |config: &String| !self.is_over() && self.take(self.session.with_config(config));
+            if !simpler.iter().any(taken) {
                 return;
             }
             self.cut();
@@ -139,14 +173,13 @@ impl Shrinker<'_, '_> {
     }
 
     fn simplify_requests(&mut self) {
-        for place in 0..self.requests.len() {
-            if self.is_over() {
-                return;
-            }
-            for simpler in self.kind.simpler_requests(&self.session, &self.requests[place]) {
-                let mut requests = self.requests.clone();
-                requests[place] = simpler.into_bytes();
-                if self.take_requests(&requests) {
+        let (session, kind) = (Rc::clone(&self.session), self.kind);
+        for (place, request) in session.requests().enumerate() {
+            for simpler in kind.simpler_requests(&session, request) {
+                if self.is_over() {
+                    return;
+                }
+                if self.take(self.session.with_request(place, simpler.as_bytes())) {
                     break;
                 }
             }
@@ -154,3 +187,6 @@ impl Shrinker<'_, '_> {
         self.leave_out();
     }
 }
+
+/// The request with which all begins anew, in the kinds that have one.
+const FLUSH: &[u8] = b"flush";

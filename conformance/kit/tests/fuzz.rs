@@ -74,9 +74,9 @@ fn suites_and_answers(mutations: u64) {
                     }
                 }
                 kind.simpler_configs(session.config());
-                kind.simpler_sessions(session);
+                kind.simpler_sessions(session).for_each(drop);
                 for request in session.requests() {
-                    kind.simpler_requests(session, request);
+                    kind.simpler_requests(session, request).for_each(drop);
                 }
                 let mut scoreboard = Scoreboard::new(kind, session, Level::HIGHEST);
                 Dut::converse(

@@ -13,7 +13,7 @@ use crate::comparison::Comparison;
 use crate::coverage::Coverage;
 use crate::error::Error;
 use crate::implementation::Implementation;
-use crate::kind::{Kind, Oracle};
+use crate::kind::{Candidates, Kind, Oracle};
 use crate::level::Level;
 use crate::session::Session;
 use crate::suites;
@@ -77,13 +77,13 @@ impl Kind for Chip {
         config::simpler(config)
     }
 
-    fn simpler_requests(&self, _session: &Session, request: &[u8]) -> Vec<String> {
-        shrink::requests(request).iter().map(Request::to_string).collect()
+    fn simpler_requests<'a>(&self, _session: &Session, request: &'a [u8]) -> Candidates<'a, String> {
+        Box::new(shrink::requests(request).map(|simpler| simpler.to_string()))
     }
 
     /// One packet simplified, as long as one can be.
-    fn simpler_sessions(&self, session: &Session) -> Vec<Session> {
-        shrink::sessions(session)
+    fn simpler_sessions<'a>(&self, session: &'a Session) -> Candidates<'a, Session> {
+        Box::new(shrink::sessions(session))
     }
 
     /// What moves in the model, and when.
@@ -97,11 +97,10 @@ impl Kind for Chip {
         });
         let mut moved = TransferLog::default();
         let report = model.play(&mut moved);
-        let more = moved.0.len().saturating_sub(SHOWN);
-        moved.0.truncate(SHOWN);
-        moved.0.extend((more > 0).then(|| format!("and {more} more")));
-        moved.0.push(format!("the last packet ends in cycle {:x}", report.cycles));
-        moved.0
+        let TransferLog { mut rows, more } = moved;
+        rows.extend((more > 0).then(|| format!("and {more} more")));
+        rows.push(format!("the last packet ends in cycle {:x}", report.cycles));
+        rows
     }
 
     fn coverage(&self) -> Box<dyn Coverage> {
@@ -114,10 +113,19 @@ const SHOWN: usize = 32;
 
 /// The transfers of a run, for a person.
 #[derive(Default)]
-struct TransferLog(Vec<String>);
+struct TransferLog {
+    /// The first of them.
+    rows: Vec<String>,
+    /// How many followed.
+    more: usize,
+}
 
 impl ChipObserver for TransferLog {
     fn transfer(&mut self, _: u32, traffic: Traffic, span: Span, bytes: u64) {
+        if self.rows.len() == SHOWN {
+            self.more += 1;
+            return;
+        }
         let what = match traffic {
             Traffic::L1Fill => "from the on-board memory to a first-level cache",
             Traffic::VmFill => "of a line written to the on-board memory",
@@ -125,6 +133,6 @@ impl ChipObserver for TransferLog {
             Traffic::MetadataWriteBack => "of metadata written back",
             Traffic::Pci => "from the host, set-up included",
         };
-        self.0.push(format!("cycles {:x} to {:x}: {bytes:x} bytes {what}", span.begin, span.end));
+        self.rows.push(format!("cycles {:x} to {:x}: {bytes:x} bytes {what}", span.begin, span.end));
     }
 }

@@ -67,6 +67,12 @@ impl Request {
         }
     }
 
+    /// The line of text that [`Request::parse`] reads back.
+    #[must_use]
+    pub fn text(&self) -> Vec<u8> {
+        self.to_string().into_bytes()
+    }
+
     /// Whether the request is legal with this configuration; what would be right, where it is not.
     ///
     /// # Errors

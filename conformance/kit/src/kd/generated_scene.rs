@@ -8,11 +8,22 @@ use saarcor_model::host::{
     TRIANGLE_BYTES, Triangle,
 };
 use saarcor_random::Random;
+use std::ops::Range;
 
 /// Triangles of a cell that is not cut.
 const MAX_LEAF: usize = 2;
 /// Greatest depth of a leaf: enough for some dozen triangles.
 const MAX_DEPTH: u32 = 5;
+
+/// A step to a simpler scene.
+enum Step {
+    /// All triangles in one leaf.
+    OneLeaf,
+    /// Without these triangles.
+    Without(Range<usize>),
+    /// A leaf in the place of this node.
+    LeafAt(usize),
+}
 
 /// Triangles with a tree over them; none has no area (HI-4).
 #[derive(Clone, Debug, PartialEq)]
@@ -70,25 +81,27 @@ impl GeneratedScene {
         text
     }
 
-    /// Scenes that are simpler, the boldest first: one leaf, fewer triangles, fewer cells.
-    #[must_use]
-    pub fn simpler(&self) -> Vec<Self> {
-        let mut simpler = Vec::new();
-        if self.tree.nodes.len() > 1 {
-            let refs: Vec<u32> = (0..self.triangles.len() as u32).collect();
-            let leaf = Node::Leaf { first: 0, count: refs.len() as u32 };
-            simpler.push(self.with_tree(vec![leaf], refs));
-        }
-        let count = self.triangles.len();
-        let mut part = count.div_ceil(2);
-        while part > 0 {
-            simpler.extend((0..count).step_by(part).map(|begin| self.without(begin..begin + part)));
-            part /= 2;
-        }
-        let inner =
-            (0..self.tree.nodes.len()).filter(|&node| matches!(self.tree.nodes[node], Node::Inner { .. }));
-        simpler.extend(inner.map(|node| self.with_leaf_at(node)));
-        simpler
+    /// Scenes that are simpler, the boldest first: one leaf, fewer triangles, fewer cells. Each is made when it
+    /// is asked for.
+    pub fn simpler(self) -> impl Iterator<Item = Self> {
+        let (nodes, count) = (self.tree.nodes.len(), self.triangles.len());
+        let one_leaf = (nodes > 1).then_some(Step::OneLeaf);
+        let parts = std::iter::successors(Some(count.div_ceil(2)), |part| Some(part / 2));
+        let parts = parts.take_while(|part| *part > 0);
+        let fewer = parts.flat_map(move |part| {
+            (0..count).step_by(part).map(move |begin| Step::Without(begin..(begin + part).min(count)))
+        });
+        let steps = one_leaf.into_iter().chain(fewer).chain((0..nodes).map(Step::LeafAt));
+        steps.filter_map(move |step| match step {
+            Step::OneLeaf => {
+                let refs: Vec<u32> = (0..count as u32).collect();
+                Some(self.with_tree(vec![Node::Leaf { first: 0, count: count as u32 }], refs))
+            }
+            Step::Without(gone) => Some(self.without(&gone)),
+            Step::LeafAt(node) => {
+                matches!(self.tree.nodes[node], Node::Inner { .. }).then(|| self.with_leaf_at(node))
+            }
+        })
     }
 
     fn with_tree(&self, nodes: Vec<Node>, refs: Vec<u32>) -> Self {
@@ -97,9 +110,12 @@ impl GeneratedScene {
     }
 
     /// Without some triangles; the cells stay.
-    fn without(&self, gone: std::ops::Range<usize>) -> Self {
+    fn without(&self, gone: &Range<usize>) -> Self {
         let stays = |triangle: usize| !gone.contains(&triangle);
-        let new_place = |triangle: u32| (0..triangle as usize).filter(|&other| stays(other)).count() as u32;
+        let new_place = |triangle: u32| match triangle as usize {
+            before if before < gone.start => triangle,
+            _ => triangle - gone.len() as u32,
+        };
         let mut refs = Vec::new();
         let nodes = self.tree.nodes.iter().map(|node| match *node {
             Node::Leaf { first, count } => {

@@ -14,7 +14,7 @@ use crate::comparison::Comparison;
 use crate::coverage::Coverage;
 use crate::error::Error;
 use crate::implementation::Implementation;
-use crate::kind::{Kind, Oracle};
+use crate::kind::{Candidates, Kind, Oracle};
 use crate::level::Level;
 use crate::session::Session;
 use crate::suites;
@@ -93,11 +93,12 @@ impl Kind for Kd {
     }
 
     /// The last scene simplified, with its rays.
-    fn simpler_sessions(&self, session: &Session) -> Vec<Session> {
-        let Ok(mut model) = KdOracle::new(Oracle::Model, session.config()) else { return Vec::new() };
+    fn simpler_sessions<'a>(&self, session: &'a Session) -> Candidates<'a, Session> {
+        let none = || Box::new(std::iter::empty());
+        let Ok(mut model) = KdOracle::new(Oracle::Model, session.config()) else { return none() };
         let mut rays = Vec::new();
         for line in session.requests() {
-            let Ok(request) = Request::parse(line) else { return Vec::new() };
+            let Ok(request) = Request::parse(line) else { return none() };
             match request {
                 Request::Trace(query, ray) => rays.push((query, ray)),
                 Request::Flush => rays.clear(),
@@ -105,13 +106,13 @@ impl Kind for Kd {
             }
             model.change(&request);
         }
-        let Ok((scene, _)) = model.scene() else { return Vec::new() };
-        let of = |scene: &GeneratedScene| {
+        let Ok((scene, _)) = model.scene() else { return none() };
+        let of = move |scene: GeneratedScene| {
             let mut text = scene.requests();
             rays.iter().for_each(|(query, ray)| push_ray(&mut text, *query, ray));
             session.with_requests(text.trim_ascii_end().split(|&byte| byte == b'\n'))
         };
-        GeneratedScene::of(scene).simpler().iter().map(of).collect()
+        Box::new(GeneratedScene::of(scene).simpler().map(of))
     }
 
     /// The right walk.

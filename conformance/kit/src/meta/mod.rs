@@ -11,7 +11,7 @@ use crate::comparison::Comparison;
 use crate::coverage::Coverage;
 use crate::error::Error;
 use crate::implementation::Implementation;
-use crate::kind::{Kind, Oracle};
+use crate::kind::{Candidates, Kind, Oracle};
 use crate::level::Level;
 use crate::session::Session;
 use crate::suites;
@@ -107,7 +107,7 @@ impl Kind for Meta {
         simpler.iter().map(config::text).collect()
     }
 
-    fn simpler_requests(&self, session: &Session, request: &[u8]) -> Vec<String> {
+    fn simpler_requests<'a>(&self, session: &Session, request: &'a [u8]) -> Candidates<'a, String> {
         let line = config::parse(session.config()).map_or(1, |config| config.cache.geometry.line().0);
         let down = |host: u32| (u64::from(host) / line * line) as u32;
         let simpler = match Request::parse(request) {
@@ -119,7 +119,7 @@ impl Kind for Meta {
             Ok(Request::Flush) | Err(_) => Vec::new(),
         };
         let text = simpler.into_iter().map(|request| request.to_string());
-        text.filter(|text| text.as_bytes() != request).collect()
+        Box::new(text.filter(move |text| text.as_bytes() != request))
     }
 
     fn state_before(&self, session: &Session, request: usize) -> Vec<String> {
