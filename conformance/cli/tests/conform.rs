@@ -115,7 +115,7 @@ fn replay_fails_again() {
     says(&run_in(folder.path(), &args), 1, &["VM-3 at level state"]);
     let json = says(&run_in(folder.path(), &["conform", "run", "a", "--errors", "1", "--json"]), 1, &[]);
     let report: serde_json::Value = serde_json::from_str(&json).expect("an object");
-    assert_eq!((&report["schema_version"], &report["verdict"]), (&1.into(), &"does-not-conform".into()));
+    assert_eq!((&report["schema_version"], &report["verdict"]), (&2.into(), &"does-not-conform".into()));
     assert_eq!(report["failures"][0]["requirement"], "VM-3");
     let readme = include_str!("../../README.md");
     for object in [
@@ -132,7 +132,7 @@ fn replay_fails_again() {
 }
 
 #[test]
-fn wrong_answers_are_told() {
+fn wrong_answers_are_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("answers");
     let answers =
@@ -147,18 +147,29 @@ fn wrong_answers_are_told() {
 }
 
 #[test]
-fn what_cannot_be_told_is_incomplete() {
+fn what_cannot_be_judged_is_incomplete() {
     let folder = tempfile::tempdir().expect("a folder");
     let dut = "kind = \"saarcor-vm\"\nneeds = [\"no-such-program\"]\ncommand = \"x\"\n";
     std::fs::write(folder.path().join("dut.toml"), dut).expect("written");
     says(&run_in(folder.path(), &["conform", "run", "."]), 3, &["needs no-such-program"]);
     let none = "while read x; do case $x in config*) echo unsupported line; exit;; *) echo $x;; esac; done";
-    says(&run_in(folder.path(), &["conform", "run", none, "--requests", "24"]), 3, &["not supported: line"]);
+    says(
+        &run_in(folder.path(), &["conform", "run", none, "--requests", "24"]),
+        3,
+        &["not supported: line", "agrees at no level; not judged: line=1, "],
+    );
     let blind = "while read x; do case $x in config*) echo ok observes=data;; end|saarcor*) echo $x;; r*) echo h - 00;; *) echo ok;; esac; done";
     says(
         &run_in(folder.path(), &["conform", "run", blind, "--suite", "vm/lru-victim"]),
         0,
-        &["not observed"],
+        &["conforms; agrees up to level data; not judged: traffic, state\n", "not observed"],
+    );
+    // Nobody has looked at the bytes of one that observes hits alone.
+    let hits = blind.replace("observes=data", "observes=hit").replace("echo h - 00", "echo m - - -");
+    says(
+        &run_in(folder.path(), &["conform", "run", &hits, "--suite", "vm/lru-victim"]),
+        3,
+        &["incomplete; agrees up to level protocol; not judged: data, traffic, state\n"],
     );
     says(
         &run_in(folder.path(), &["conform", "run", blind, "--suite", "vm/lru-victim", "--level", "state"]),
@@ -200,7 +211,7 @@ fn broken_builds_are_refused_with_what_they_said() {
     let folder = tempfile::tempdir().expect("a folder");
     let dut = "kind = \"saarcor-vm\"\nbuild = \"echo it is broken; exit 7\"\ncommand = \"x\"\n";
     std::fs::write(folder.path().join("dut.toml"), dut).expect("written");
-    says(&run_in(folder.path(), &["conform", "run", "."]), 2, &["it is broken", "exit status: 7"]);
+    says(&run_in(folder.path(), &["conform", "run", "."]), 2, &["it is broken", "ended with status 7"]);
 }
 
 /// A library that crashes, or hangs, has its verdict like any other.

@@ -49,8 +49,14 @@ pub(crate) struct SessionResult {
     pub findings: Vec<Finding>,
     /// The key that the implementation does not support.
     pub unsupported: Option<String>,
-    /// Which of the kind's levels could be judged.
+    /// Its configuration.
+    pub config: String,
+    /// The level up to which the session is judged; none: all.
+    pub level: Option<Level>,
+    /// Which of the kind's levels are observed.
     pub observed: Vec<Level>,
+    /// Parts of an answer that are not.
+    pub unobserved: Vec<&'static str>,
     /// Requests that were answered.
     pub answered: usize,
     /// It is a random session.
@@ -232,7 +238,10 @@ impl Executor<'_> {
             stderr: if scoreboard.findings().is_empty() { String::new() } else { stderr },
             findings: scoreboard.findings().to_vec(),
             unsupported: scoreboard.unsupported().map(str::to_owned),
+            config: session.config().to_owned(),
+            level: session.level,
             observed,
+            unobserved: scoreboard.unobserved().to_vec(),
             answered: scoreboard.answered(),
             random,
             seconds: began.elapsed().as_secs_f64(),

@@ -89,6 +89,10 @@ impl Kind for SetHash {
         &[Level::Protocol, Level::State]
     }
 
+    fn observable(&self) -> &'static [(&'static str, Level)] {
+        &[(OBSERVES, Level::State)]
+    }
+
     fn suites(&self) -> &'static [(&'static str, &'static str)] {
         suites::HASH
     }

@@ -82,6 +82,7 @@ impl ConformanceReport {
         let mut suite = TestSuite::new(name.as_str());
         suite.set_time(time).set_system_out("").set_system_err("");
         suite.add_property(Property::new("dut", self.dut.as_str()));
+        suite.add_property(Property::new("headline", self.headline()));
         let time = time / u32::try_from(cases.len()).unwrap_or(1).max(1);
         for mut case in cases {
             case.set_classname(name.as_str()).set_time(time);

@@ -29,6 +29,9 @@ pub trait Kind: Sync {
     /// The levels at which it is judged, the lowest first.
     fn levels(&self) -> &'static [Level];
 
+    /// The names that `observes` may list: parts of an answer, each with the level that it belongs to.
+    fn observable(&self) -> &'static [(&'static str, Level)];
+
     /// Suite files by their names, in an order in which what comes later builds on what came before.
     fn suites(&self) -> &'static [(&'static str, &'static str)];
 

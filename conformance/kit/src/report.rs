@@ -5,7 +5,7 @@ use crate::level::Level;
 use serde::Serialize;
 
 /// Version of the report's form in JSON: raised where a field changes its meaning or goes.
-pub const SCHEMA_VERSION: u32 = 1;
+pub const SCHEMA_VERSION: u32 = 2;
 
 /// The report on one implementation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -18,7 +18,7 @@ pub struct ConformanceReport {
     pub kind: String,
     /// The verdict.
     pub verdict: ConformanceVerdict,
-    /// The highest level that was passed, with all below it.
+    /// The highest level that was passed, and so were all below it.
     pub highest: Option<Level>,
     /// The level that the run was to judge; none: all that is observed.
     pub asked: Option<Level>,
@@ -26,6 +26,8 @@ pub struct ConformanceReport {
     pub tolerance: u32,
     /// Each level.
     pub levels: Vec<LevelResult>,
+    /// What was not judged, though the run was to judge it.
+    pub not_judged: Vec<NotJudged>,
     /// Each requirement that sessions are about, in the order of the suites; the random ones last.
     pub requirements: Vec<RequirementResult>,
     /// What fails: for each requirement and level one session, shrunk.
@@ -85,13 +87,15 @@ pub struct LevelResult {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LevelVerdict {
-    /// All sessions agree.
+    /// All sessions agree, and it and each level below it was observed in every configuration.
     Passed,
     /// Some do not, at this level or below.
     Failed,
+    /// What is observed agrees; but in some configurations the level, or one below it, is not observed.
+    ObservedInPart,
     /// The implementation does not observe what the level is judged by.
     NotObserved,
-    /// The run was not to judge it.
+    /// The run was not to judge it, or no session of the run is about it.
     NotAsked,
 }
 
@@ -102,9 +106,92 @@ impl LevelVerdict {
         match self {
             Self::Passed => "passed",
             Self::Failed => "failed",
+            Self::ObservedInPart => "observed in part",
             Self::NotObserved => "not observed",
             Self::NotAsked => "not asked for",
         }
+    }
+}
+
+/// Something that was not judged, though the run was to judge it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct NotJudged {
+    /// A level, a part of an answer, a key of configurations, or the sessions themselves.
+    pub what: String,
+    /// Why not.
+    pub why: NotJudgedReason,
+    /// Sessions in which it was not judged.
+    pub sessions: usize,
+    /// Of so many.
+    pub of: usize,
+    /// The values, as `KEY=VALUE`, of the configurations in which it was not judged, where these tell them from the
+    /// others.
+    pub values: Vec<String>,
+}
+
+/// Why something was not judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NotJudgedReason {
+    /// The implementation does not observe it, or for a level, not each level below it.
+    NotObserved,
+    /// The implementation does not support it.
+    NotSupported,
+    /// Sessions were left out, or had too little time.
+    LeftOut,
+}
+
+/// Values that are shown.
+const SHOWN_VALUES: usize = 4;
+
+impl NotJudged {
+    /// The first of the values, in words.
+    fn shown_values(&self) -> String {
+        let more = self.values.len().saturating_sub(SHOWN_VALUES);
+        let shown = self.values.iter().take(SHOWN_VALUES).map(String::as_str);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        shown.collect::<Vec<_>>().join(", ") + &more
+    }
+
+    /// What was not judged, in words.
+    fn name(&self) -> String {
+        match self.why {
+            NotJudgedReason::NotSupported => self.shown_values(),
+            NotJudgedReason::NotObserved | NotJudgedReason::LeftOut => self.what.clone(),
+        }
+    }
+
+    /// Where it was not judged, in words; empty for everywhere.
+    fn place(&self) -> String {
+        let share = format!("{} of {} sessions", self.sessions, self.of);
+        match self.why {
+            NotJudgedReason::NotObserved if self.sessions == self.of => String::new(),
+            NotJudgedReason::NotObserved if self.values.is_empty() => format!(" in {share}"),
+            NotJudgedReason::NotObserved => format!(" with {}", self.shown_values()),
+            NotJudgedReason::NotSupported => format!(" (not supported; {share})"),
+            NotJudgedReason::LeftOut => format!(" ({} of {})", self.sessions, self.of),
+        }
+    }
+}
+
+impl ConformanceReport {
+    /// The verdict in a sentence, with what was not judged.
+    #[must_use]
+    pub fn headline(&self) -> String {
+        let highest = self.highest.map_or("at no level".to_owned(), |level| format!("up to level {level}"));
+        let mut text = format!("{} ({}): {}; agrees {highest}", self.dut, self.kind, self.verdict.text());
+        let mut rest = &self.not_judged[..];
+        while let Some(first) = rest.first() {
+            // Those that are not judged at the same place are named together.
+            let place = first.place();
+            let same =
+                rest.iter().take_while(|other| other.why == first.why && other.place() == place).count();
+            let names: Vec<_> = rest[..same].iter().map(NotJudged::name).collect();
+            let begin = if rest.len() == self.not_judged.len() { "; not judged: " } else { "; " };
+            text += &format!("{begin}{}{place}", names.join(", "));
+            rest = &rest[same..];
+        }
+        text
     }
 }
 

@@ -71,6 +71,8 @@ pub struct Scoreboard<'a> {
     answered: usize,
     findings: Vec<Finding>,
     unsupported: Option<String>,
+    /// Parts of an answer that the implementation does not observe.
+    unobserved: Vec<&'static str>,
     /// Nothing above is judged.
     highest: Level,
 }
@@ -88,6 +90,7 @@ impl<'a> Scoreboard<'a> {
             answered: 0,
             findings: Vec::new(),
             unsupported: None,
+            unobserved: Vec::new(),
             highest: session.level.map_or(highest, |level| level.min(highest)),
         }
     }
@@ -130,6 +133,13 @@ impl<'a> Scoreboard<'a> {
     pub fn observed(&self, level: Level) -> bool {
         level == Level::Protocol
             || self.comparison.as_ref().is_some_and(|comparison| comparison.observed(level))
+    }
+
+    /// The parts of an answer that the implementation does not observe, by their names in `observes`; not known
+    /// before it has said so.
+    #[must_use]
+    pub fn unobserved(&self) -> &[&'static str] {
+        &self.unobserved
     }
 
     /// Judges the next answer, a line without its newline, given how much of the session's text had
@@ -221,6 +231,9 @@ impl<'a> Scoreboard<'a> {
         }
         let right = "a configuration is answered by 'ok observes=LIST' or 'unsupported KEY'";
         let observes = text.strip_prefix("ok observes=").ok_or(Error::from(right));
+        let names = || observes.iter().flat_map(|list| list.split(','));
+        let all = self.kind.observable().iter().map(|(name, _)| *name);
+        self.unobserved = all.filter(|name| !names().any(|observed| observed == *name)).collect();
         match observes.and_then(|observes| self.kind.comparison(self.session, observes)) {
             Ok(comparison) => {
                 self.comparison = Some(comparison);
@@ -255,8 +268,10 @@ pub struct CheckedAnswers {
     pub findings: Vec<Finding>,
     /// Requests that were answered.
     pub answered: usize,
-    /// The highest level at which all that is observed agrees.
+    /// The highest level at which all agrees: it and each one below it is observed.
     pub highest: Option<Level>,
+    /// Levels that the session is about and that are not judged, as they or some below them are not observed.
+    pub not_judged: Vec<Level>,
     /// The key that the implementation does not support.
     pub unsupported: Option<String>,
 }
@@ -277,12 +292,15 @@ pub fn check_answers(kind: &dyn Kind, session: &Session, answers: &[u8], level: 
         scoreboard.silent("P-4", "the answers end before 'end' is answered");
     }
     let failed = scoreboard.findings().iter().map(|finding| finding.level).min();
-    let passed =
-        |level: &&Level| scoreboard.observed(**level) && failed.is_none_or(|failed| **level < failed);
+    let judged = |other: &&Level| **other <= level && session.level.is_none_or(|own| **other <= own);
+    let open = |level: &&Level| failed.is_none_or(|failed| **level < failed);
+    let levels: Vec<Level> = kind.levels().iter().filter(judged).filter(open).copied().collect();
+    let passed = levels.iter().take_while(|level| scoreboard.observed(**level)).count();
     CheckedAnswers {
         findings: scoreboard.findings().to_vec(),
         answered: scoreboard.answered(),
-        highest: kind.levels().iter().take_while(|other| **other <= level).filter(passed).last().copied(),
+        highest: levels[..passed].last().copied(),
+        not_judged: levels[passed..].to_vec(),
         unsupported: scoreboard.unsupported().map(str::to_owned),
     }
 }

@@ -1,13 +1,19 @@
 //! The report on all sessions of a run.
 
 use crate::coverage::CoverageCount;
+use crate::deadline::Deadline;
 use crate::dut::Timeout;
 use crate::execution::{Run, SessionResult};
 use crate::level::Level;
 use crate::report::{
-    ConformanceReport, ConformanceVerdict, Failure, LevelResult, LevelVerdict, RequirementResult,
-    SCHEMA_VERSION, UnsupportedKey,
+    ConformanceReport, ConformanceVerdict, Failure, LevelResult, LevelVerdict, NotJudged, NotJudgedReason,
+    RequirementResult, SCHEMA_VERSION, UnsupportedKey,
 };
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+/// Time to count what sessions exercise once a verdict is due.
+const COVERAGE_TIME: Duration = Duration::from_millis(250);
 
 /// What a report is made of.
 pub(crate) struct Summary<'a> {
@@ -18,6 +24,7 @@ pub(crate) struct Summary<'a> {
 }
 
 impl Summary<'_> {
+    /// The report. What sessions exercise is counted while there is time, where some fail.
     pub fn report(
         &self,
         failures: Vec<Failure>,
@@ -26,15 +33,17 @@ impl Summary<'_> {
     ) -> ConformanceReport {
         let levels = self.levels();
         let passed = |level: &&LevelResult| level.verdict == LevelVerdict::Passed;
-        let before_failed = levels.iter().take_while(|level| level.verdict != LevelVerdict::Failed);
-        let highest = before_failed.filter(passed).map(|level| level.level).last();
+        let highest = levels.iter().take_while(passed).map(|level| level.level).last();
         let errors = self.results.iter().filter(|result| !result.findings.is_empty()).count();
         let at_asked = levels.iter().find(|level| Some(level.level) == self.run.options.level);
         let slow = self.results.iter().any(|result| result.timeout == Some(Timeout::Slow));
         let judged = self.results.iter().any(|result| result.unsupported.is_none());
         let passed = at_asked.is_none_or(|level| level.verdict == LevelVerdict::Passed);
-        let decided = judged && !slow && passed;
-        let decided = decided && highest.is_some_and(|highest| highest > Level::Protocol);
+        // Where all that is asked for is the conversation, that is enough.
+        let above = levels.iter().filter(|level| level.level > Level::Protocol);
+        let more_is_asked = above.clone().any(|level| level.verdict != LevelVerdict::NotAsked);
+        let enough = highest.is_some_and(|highest| highest > Level::Protocol || !more_is_asked);
+        let decided = judged && !slow && passed && enough;
         let verdict = match (errors, decided) {
             (0, true) => ConformanceVerdict::Conforms,
             (0, false) => ConformanceVerdict::Incomplete,
@@ -49,11 +58,12 @@ impl Summary<'_> {
             highest,
             asked: self.run.options.level,
             tolerance: self.run.options.tolerance,
+            not_judged: self.not_judged(&levels),
             levels,
             requirements: self.requirements(),
             failures,
             unsupported: self.unsupported(),
-            coverage: self.coverage(),
+            coverage: self.coverage(errors > 0),
             sessions: self.results.len(),
             errors,
             requests: self.results.iter().map(|result| result.answered as u64).sum(),
@@ -67,26 +77,111 @@ impl Summary<'_> {
         }
     }
 
+    /// Sessions whose configuration is supported, and which had the time to answer.
+    fn held(&self) -> impl Iterator<Item = &SessionResult> {
+        self.results.iter().filter(|result| result.unsupported.is_none() && result.timeout.is_none())
+    }
+
     fn levels(&self) -> Vec<LevelResult> {
         let lowest_failed =
             self.results.iter().flat_map(|result| &result.findings).map(|finding| finding.level).min();
-        let verdict = |&level: &Level| {
-            let verdict = if level > self.run.options.highest() {
-                LevelVerdict::NotAsked
-            } else if lowest_failed.is_some_and(|failed| failed <= level) {
-                LevelVerdict::Failed
-            } else if self
-                .results
-                .iter()
-                .any(|result| result.observed.contains(&level) && result.unsupported.is_none())
-            {
-                LevelVerdict::Passed
-            } else {
-                LevelVerdict::NotObserved
-            };
+        let mut all_passed = true;
+        let mut verdict = |&level: &Level| {
+            let about = |result: &&SessionResult| result.level.is_none_or(|own| own >= level);
+            let is_observed = |result: &&SessionResult| result.observed.contains(&level);
+            let is_judged = |result: &SessionResult| level == Level::Protocol || result.answered > 0;
+            let verdict =
+                if level > self.run.options.highest() || !self.results.iter().any(|result| about(&result)) {
+                    LevelVerdict::NotAsked
+                } else if lowest_failed.is_some_and(|failed| failed <= level) {
+                    LevelVerdict::Failed
+                } else if !self.held().any(|result| is_observed(&result)) {
+                    LevelVerdict::NotObserved
+                } else if all_passed
+                    && self.held().all(|result| is_observed(&result))
+                    && self.held().filter(about).any(is_judged)
+                {
+                    LevelVerdict::Passed
+                } else {
+                    LevelVerdict::ObservedInPart
+                };
+            all_passed &= verdict == LevelVerdict::Passed;
             LevelResult { level, verdict }
         };
-        self.run.kind.levels().iter().map(verdict).collect()
+        self.run.kind.levels().iter().map(&mut verdict).collect()
+    }
+
+    /// What was not judged: levels, parts of answers at levels that were passed, configurations, and sessions.
+    fn not_judged(&self, levels: &[LevelResult]) -> Vec<NotJudged> {
+        let mut all = Vec::new();
+        // A level is not judged either where one below it is not observed.
+        let mut levels_below = Vec::new();
+        // Where no configuration is supported, that says all.
+        let is_held = self.held().next().is_some();
+        for LevelResult { level, verdict } in levels {
+            levels_below.push(*level);
+            if is_held && matches!(verdict, LevelVerdict::NotObserved | LevelVerdict::ObservedInPart) {
+                let lacks = |result: &SessionResult| {
+                    levels_below.iter().any(|level| !result.observed.contains(level))
+                };
+                // Observed everywhere, but nothing was asked.
+                let is_idle = !self.held().any(lacks);
+                all.push(self.not_observed(level.name(), |result| is_idle || lacks(result)));
+            }
+        }
+        for (name, of) in self.run.kind.observable() {
+            let passed = LevelResult { level: *of, verdict: LevelVerdict::Passed };
+            if levels.contains(&passed) && self.held().any(|result| result.unobserved.contains(name)) {
+                all.push(self.not_observed(name, |result| result.unobserved.contains(name)));
+            }
+        }
+        for row in self.unsupported() {
+            let refuses = |result: &SessionResult| result.unsupported.as_deref() == Some(&row.key);
+            let refused = self.results.iter().filter(|result| refuses(result));
+            let values: BTreeSet<Value<'_>> =
+                refused.map(|result| value_of(&result.config, &row.key)).collect();
+            all.push(NotJudged {
+                what: row.key.clone(),
+                why: NotJudgedReason::NotSupported,
+                sessions: row.sessions,
+                of: self.results.len(),
+                values: values.iter().map(|(_, value)| format!("{}={value}", row.key)).collect(),
+            });
+        }
+        let slow = self.results.iter().filter(|result| result.timeout == Some(Timeout::Slow)).count();
+        let left_out = self.run.planned.len() - self.results.len() + slow;
+        if left_out > 0 {
+            all.push(NotJudged {
+                what: "sessions".to_owned(),
+                why: NotJudgedReason::LeftOut,
+                sessions: left_out,
+                of: self.run.planned.len(),
+                values: Vec::new(),
+            });
+        }
+        all
+    }
+
+    /// What is not observed in the sessions that lack it, and the values of a key that tell their configurations from
+    /// those of all others, where there is one.
+    fn not_observed(&self, what: &str, lacks: impl Fn(&SessionResult) -> bool) -> NotJudged {
+        let values = |key: &str, lacking: bool| -> BTreeSet<Value<'_>> {
+            let those = self.held().filter(|result| lacks(result) == lacking);
+            those.map(|result| value_of(&result.config, key)).collect()
+        };
+        let keys = self.run.kind.keys();
+        let telling = keys.iter().find_map(|key| {
+            let (without, with) = (values(key, true), values(key, false));
+            let values = without.iter().map(|(_, value)| format!("{key}={value}"));
+            (!with.is_empty() && without.is_disjoint(&with)).then(|| values.collect())
+        });
+        NotJudged {
+            what: what.to_owned(),
+            why: NotJudgedReason::NotObserved,
+            sessions: self.held().filter(|result| lacks(result)).count(),
+            of: self.held().count(),
+            values: telling.unwrap_or_default(),
+        }
     }
 
     fn requirements(&self) -> Vec<RequirementResult> {
@@ -114,14 +209,31 @@ impl Summary<'_> {
         rows
     }
 
-    /// What the sessions exercise that ran to their ends.
-    fn coverage(&self) -> Vec<CoverageCount> {
+    /// What the sessions exercise that ran to their ends; where a verdict is due, of those for which there is time.
+    fn coverage(&self, is_due: bool) -> Vec<CoverageCount> {
         let mut coverage = self.run.kind.coverage();
+        let deadline = Deadline::never();
+        if is_due && self.run.dut.time_limit().is_some() {
+            deadline.within(COVERAGE_TIME);
+        }
         for result in self.results {
+            if deadline.has_come() {
+                break;
+            }
             if result.findings.is_empty() && result.unsupported.is_none() && result.timeout.is_none() {
                 coverage.add(&self.run.session(result.place));
             }
         }
         coverage.counts()
     }
+}
+
+/// A value of a key, with the number that it is, by which it is ordered.
+type Value<'a> = (Option<u64>, &'a str);
+
+/// The value of a key in a configuration; `default` where it is left out.
+fn value_of<'a>(config: &'a str, key: &str) -> Value<'a> {
+    let mut values = config.split_ascii_whitespace().filter_map(|word| word.split_once('='));
+    let value = values.rfind(|(other, _)| *other == key).map_or("default", |(_, value)| value);
+    (value.parse().ok(), value)
 }

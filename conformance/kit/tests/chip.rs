@@ -56,7 +56,7 @@ struct Slower {
 
 impl Implementation for Slower {
     fn observes(&self) -> String {
-        "cycles".to_owned()
+        self.model.observes()
     }
 
     fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), Error> {
@@ -64,8 +64,10 @@ impl Implementation for Slower {
         self.model.answer(request, &mut right)?;
         match Answer::parse(&right, Observes::ALL).ok().and_then(|answer| answer.cycles) {
             Some(cycles) => {
-                let cycles = cycles + cycles * self.thousandths / 1000;
-                answer.extend_from_slice(format!("c {cycles:x} - - - -").as_bytes());
+                let late = cycles + cycles * self.thousandths / 1000;
+                let right = String::from_utf8_lossy(&right);
+                let rest = right.trim_start_matches(&format!("c {cycles:x}"));
+                answer.extend_from_slice(format!("c {late:x}{rest}").as_bytes());
             }
             None => answer.extend_from_slice(&right),
         }

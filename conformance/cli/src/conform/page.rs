@@ -1,6 +1,6 @@
 //! The report as a page that needs no other file.
 
-use super::text::{notes, tables, verdict};
+use super::text::{notes, tables};
 use crate::table::escaped;
 use saarcor_kit::report::{ConformanceReport, Failure};
 use std::fmt::Write as _;
@@ -25,7 +25,7 @@ pub fn html(report: &ConformanceReport) -> String {
          <h1>Conformance of {0}</h1>\n<p class=\"verdict {class}\">{}</p>\n<p>{}</p>\n{failures}{sections}\
          </main>\n</body>\n</html>\n",
         escaped(&report.dut),
-        escaped(&verdict(report)),
+        escaped(&report.headline()),
         notes.join("<br>"),
     )
 }

@@ -24,13 +24,6 @@ pub fn tables(report: &ConformanceReport) -> [(&'static str, Table); 3] {
     [("Levels", levels), ("Requirements", requirements), ("Coverage of the small geometry", coverage)]
 }
 
-/// The verdict in a sentence.
-#[must_use]
-pub fn verdict(report: &ConformanceReport) -> String {
-    let highest = report.highest.map_or("at no level".to_owned(), |level| format!("up to level {level}"));
-    format!("{} ({}): {}; agrees {highest}", report.dut, report.kind, report.verdict.text())
-}
-
 /// What was held, in sentences.
 #[must_use]
 pub fn notes(report: &ConformanceReport) -> Vec<String> {
@@ -55,7 +48,7 @@ pub fn notes(report: &ConformanceReport) -> Vec<String> {
 /// The report as text.
 #[must_use]
 pub fn text(report: &ConformanceReport) -> String {
-    let mut text = format!("{}\n\n", verdict(report));
+    let mut text = format!("{}\n\n", report.headline());
     for (_, table) in tables(report) {
         let _ = writeln!(text, "{table}\n");
     }
@@ -81,10 +74,16 @@ pub fn finding(finding: &Finding) -> String {
 /// What answers come to, in a sentence.
 #[must_use]
 pub fn checked(checked: &CheckedAnswers, session: &str) -> String {
-    let CheckedAnswers { answered, highest, unsupported, .. } = checked;
+    let CheckedAnswers { answered, highest, not_judged, unsupported, .. } = checked;
+    let not_judged: Vec<_> = not_judged.iter().map(|level| level.name()).collect();
+    let rest = if not_judged.is_empty() {
+        String::new()
+    } else {
+        format!("; not judged: {}", not_judged.join(", "))
+    };
     match (unsupported, highest) {
         (Some(key), _) => format!("{session}: {key} is not supported"),
-        (None, Some(level)) => format!("{session}: {answered} answers agree up to level {level}"),
-        (None, None) => format!("{session}: {answered} answers agree at no level"),
+        (None, Some(level)) => format!("{session}: {answered} answers agree up to level {level}{rest}"),
+        (None, None) => format!("{session}: {answered} answers agree at no level{rest}"),
     }
 }

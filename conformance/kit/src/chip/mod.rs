@@ -36,6 +36,16 @@ impl Kind for Chip {
         &[Level::Protocol, Level::Traffic, Level::Timing]
     }
 
+    fn observable(&self) -> &'static [(&'static str, Level)] {
+        &[
+            ("cycles", Level::Timing),
+            ("pci", Level::Traffic),
+            ("mem", Level::Traffic),
+            ("l1", Level::Traffic),
+            ("l2", Level::Traffic),
+        ]
+    }
+
     fn suites(&self) -> &'static [(&'static str, &'static str)] {
         suites::CHIP
     }

@@ -52,6 +52,10 @@ impl Kind for Kd {
         &[Level::Protocol, Level::Rays, Level::Traversal]
     }
 
+    fn observable(&self) -> &'static [(&'static str, Level)] {
+        &[("triangle", Level::Rays), ("t", Level::Rays), ("uv", Level::Rays), ("touched", Level::Traversal)]
+    }
+
     fn suites(&self) -> &'static [(&'static str, &'static str)] {
         suites::KD
     }

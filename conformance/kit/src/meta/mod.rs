@@ -52,6 +52,16 @@ impl Kind for Meta {
         &[Level::Protocol, Level::Traffic, Level::State, Level::Metadata]
     }
 
+    fn observable(&self) -> &'static [(&'static str, Level)] {
+        &[
+            ("hit", Level::Traffic),
+            ("card", Level::State),
+            ("evict", Level::State),
+            ("meta", Level::Metadata),
+            ("bytes", Level::Metadata),
+        ]
+    }
+
     fn suites(&self) -> &'static [(&'static str, &'static str)] {
         suites::META
     }

@@ -37,6 +37,10 @@ impl Kind for Vm {
         &[Level::Protocol, Level::Data, Level::Traffic, Level::State]
     }
 
+    fn observable(&self) -> &'static [(&'static str, Level)] {
+        &[("data", Level::Data), ("hit", Level::Traffic), ("card", Level::State), ("evict", Level::State)]
+    }
+
     fn suites(&self) -> &'static [(&'static str, &'static str)] {
         suites::VM
     }
