@@ -4,10 +4,12 @@ use crate::scope::Scope;
 use crate::source::{Holds, Label, Source, Stop, Value};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, TestRng, TestRunner};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::ops::RangeInclusive;
+use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
+use std::sync::Once;
 
 /// What an engine showed of a theorem.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,6 +68,32 @@ fn judgement(
     Judgement { holds: counterexample.is_none(), scope, cases, vacuous, covers, counterexample }
 }
 
+thread_local! {
+    /// Whether this thread judges a case: what panics then is said of the case, and not on standard error.
+    static JUDGES: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Judges a case. Where the model panics, the theorem does not hold.
+fn case<E>(body: fn(&mut E) -> Holds, engine: &mut E) -> Holds {
+    static QUIET: Once = Once::new();
+    QUIET.call_once(|| {
+        let loud = take_hook();
+        set_hook(Box::new(move |panic| {
+            if !JUDGES.get() {
+                loud(panic);
+            }
+        }));
+    });
+    JUDGES.set(true);
+    let result = catch_unwind(AssertUnwindSafe(|| body(engine)));
+    JUDGES.set(false);
+    result.unwrap_or_else(|panic| {
+        let said = panic.downcast_ref::<String>().map(String::as_str);
+        let said = said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or_default();
+        Err(Stop::Disproved(format!("it panics: {said}")))
+    })
+}
+
 /// The exhaustive engine: an odometer whose digits are the values drawn, in their order.
 #[derive(Clone, Debug, Default)]
 pub struct Exhaustive {
@@ -118,13 +146,13 @@ impl Exhaustive {
         let failed = loop {
             engine.drawn = 0;
             cases += 1;
-            match body(&mut engine) {
+            match case(body, &mut engine) {
                 Ok(()) => {}
                 Err(Stop::Vacuous) => vacuous += 1,
                 Err(Stop::Disproved(claim)) => {
                     engine.notes.case = Some(String::new());
                     engine.drawn = 0;
-                    let _ = body(&mut engine);
+                    let _ = case(body, &mut engine);
                     break engine.notes.case.take().map(|case| format!("{claim} (where {case})"));
                 }
             }
@@ -193,8 +221,7 @@ impl Random {
     /// that fails.
     #[must_use]
     pub fn judge(covers: &[&'static str], body: fn(&mut Self) -> Holds, cases: u32) -> Judgement {
-        let config =
-            Config { cases, failure_persistence: None, max_shrink_iters: 100_000, ..Config::default() };
+        let config = Config { cases, failure_persistence: None, ..Config::default() };
         let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
         let engine = RefCell::new((Self::default(), [0_u64; 2]));
         let result = TestRunner::new_with_rng(config, rng).run(&tapes(), |tape| {
@@ -228,7 +255,7 @@ impl Random {
     fn play(&mut self, body: fn(&mut Self) -> Holds, tape: Vec<u64>) -> Holds {
         (self.tape, self.drawn) = (tape, 0);
         self.notes.scope.begin();
-        body(self)
+        case(body, self)
     }
 }
 

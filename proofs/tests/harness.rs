@@ -112,3 +112,18 @@ fn counterexample_is_described_and_shrunk() {
 fn labels_differ() {
     assert!(Label::new("hit").is(Label::new("hit")) && !Label::new("hit").is(Label::new("miss")));
 }
+
+fn panics_at_three<S: Source>(s: &mut S) -> Holds {
+    let a = s.value("a", 0..=u32::MAX, &[0, 1, 2, 3]);
+    assert!(a < 3, "{a} is too large");
+    cover!(s, "small", a < 3);
+    Ok(())
+}
+
+#[test]
+fn a_panic_of_the_model_disproves_a_theorem() {
+    for judgement in both(&theorem!(["small"], panics_at_three)) {
+        let said = judgement.counterexample.expect("a case for which it panics");
+        assert_eq!(said, "it panics: 3 is too large (where a = 3)");
+    }
+}

@@ -102,7 +102,7 @@ fn theorems_rest_on_what_they_speak_of() {
     {
         assert!(!hit.contains(file), "{hit:#?}");
     }
-    let twin = files("fast_version_b_loads_alike");
+    let twin = files("fast_version_b_moves_the_same_granules");
     for file in ["model/fast/src/version_b.rs", "model/spec/src/vm/version_b.rs", "model/spec/src/vm/set.rs"]
     {
         assert!(twin.contains(file), "{twin:#?}");

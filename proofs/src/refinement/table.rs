@@ -154,7 +154,7 @@ pub const SPECIFICATION: &[(&str, &[Operation])] = &[
                 &["first_level_cache_steps_as_flat_memory", "l1_lines_are_what_lies_behind"],
             ),
             ("FirstLevelCaches::new", &["runs_begin_as_flat_memory"]),
-            ("FirstLevelCaches::invalidate", &["chip_steps_as_flat_memory", "all_first_level_caches_forget"]),
+            ("FirstLevelCaches::invalidate", &["chip_steps_as_flat_memory"]),
             (
                 "FirstLevelCaches::read",
                 &["chip_steps_as_flat_memory", "units_read_through_caches_of_their_own"],
@@ -168,7 +168,7 @@ pub const TWINS: &[(&str, &[Twin])] = &[
     (
         "model/fast/src/directory.rs",
         &[
-            ("way_of", "Set::way_of", &["fast_set_finds_the_same_way"]),
+            ("way_of", "Set::way_of", &["fast_set_step_is_the_sets", "fast_search_compares_every_bit"]),
             ("way_if_youngest", "Set::access", &["youngest_line_needs_no_step"]),
             ("access_set", "Set::access", &["fast_set_step_is_the_sets"]),
             (
@@ -198,17 +198,17 @@ pub const TWINS: &[(&str, &[Twin])] = &[
             (
                 "MetadataDecisions::load",
                 "CachedMetadata::load",
-                &["fast_version_b_loads_alike", "fast_version_b_steps_alike"],
+                &["fast_version_b_moves_the_same_granules", "fast_version_b_steps_alike"],
             ),
             (
                 "MetadataDecisions::store",
                 "CachedMetadata::store",
-                &["fast_version_b_stores_alike", "fast_version_b_steps_alike"],
+                &["fast_version_b_moves_the_same_granules", "fast_version_b_steps_alike"],
             ),
             (
                 "MetadataDecisions::clear",
                 "CachedMetadata::clear",
-                &["fast_version_b_clears_alike", "fast_version_b_steps_alike"],
+                &["fast_version_b_moves_the_same_granules", "fast_version_b_steps_alike"],
             ),
         ],
     ),

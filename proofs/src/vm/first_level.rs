@@ -321,22 +321,6 @@ theorems! {
         check!(unit == Unit::Intersection || caches.triangles == before.triangles, "the cache of triangles, {unit:?} read {}", watched.addr);
     }
 
-    /// After an invalidation none of the four first-level caches holds the old byte: every type of
-    /// unit reads what the host has written.
-    #["L1-2", not_for_kani "lines of 64 bytes take it too long", covers ["shading", "traversal", "list", "intersection"]]
-    fn all_first_level_caches_forget(s) {
-        let (mut caches, watched, unit) = caches_of_a_chip(s);
-        let before = caches.fetch::<1>(unit, HostAddr(watched.addr));
-        cover!(s, "shading", unit == Unit::Shading);
-        cover!(s, "traversal", unit == Unit::Traversal);
-        cover!(s, "list", unit == Unit::List);
-        cover!(s, "intersection", unit == Unit::Intersection);
-        caches.below.0.byte = s.value("byte written", 0..=u8::MAX, &BYTES[2..3]);
-        caches.invalidate(HostAddr(watched.addr), 1);
-        let after = caches.fetch::<1>(unit, HostAddr(watched.addr));
-        check_eq!(after[0], caches.below.0.byte, "byte {} read by {unit:?}, before the write {}", watched.addr, before[0]);
-    }
-
     /// In a first-level cache of up to 512 sets a line lies in the set that its lower bits name, and an invalidation forgets
     /// it wherever that is.
     #["L1-2", not_for_kani "hundreds of sets are too many for it; what a set does is a theorem of its own", covers ["the last of 512 sets", "one set"]]

@@ -291,25 +291,6 @@ theorems! {
         check_eq!(b.observer, expected, "set {own} of {before:?}");
     }
 
-    /// In a metadata cache of several sets every granule lies in the set that the lower bits of its
-    /// number name.
-    #["VM-13", unwind 13, covers ["in set 0", "in set 1", "found again"]]
-    fn granules_lie_in_sets_of_their_own(s) {
-        // From the empty cache, two sets of lines, one after the other.
-        let config = directory::config::<S, 2, 2>(s)?;
-        let mut b = CachedMetadata::<2, 1, SMALL>::new(&config, 2, Policy::Lru);
-        for _ in 0..2 {
-            b.load(SetIndex(s.value("set", 0..=1, draw::words(0, 2))));
-        }
-        for index in 0..2 {
-            let set = b.cache[index].set;
-            cover!(s, "in set 0", index == 0 && set.resident[0]);
-            cover!(s, "in set 1", index == 1 && set.resident[0]);
-            check!(!set.resident[0] || set.lines[0].0 & 1 == index as u32, "set {index} of {b:?}");
-        }
-        cover!(s, "found again", b.observer.loads < b.observer.accesses);
-    }
-
     /// A set whose metadata has an error that is detected counts as empty, whichever set it is, wherever the error lies, in
     /// the metadata cache alone or on the card too; and after the next store version B holds the new metadata, and loses it
     /// with no granule.
