@@ -28,15 +28,15 @@ fn dead_children_are_reaped_while_others_run() {
     // One that dies with its group, and two that leave it: one ends by itself.
     let command = "(sleep 1000 & setsid sleep 1000 & setsid true &) > /dev/null 2>&1; read x; exit 1";
     let dut = Process { command: command.to_owned(), folder: None, time_limit: Duration::from_secs(60) };
-    let options = Options { requests: 0, errors: 16, ..Options::default() };
+    let options = Options { requests: 0, errors: 100, ..Options::default() };
     let planned = default_suite(&Vm, &options).expect("suites");
     let report = run(command, &dut, &Vm, &planned, &options, &|_| ());
     let zombies = children().into_iter().filter(|stat| stat.contains(") Z ")).count();
     // Before anything can fail here: what has left its group would stay.
     kill_strays();
     let errors = report.expect("it runs").errors;
-    assert!(errors >= 16, "{errors}");
-    // Those of the last sessions may have ended a moment ago.
-    assert!(zombies <= 8, "{zombies}");
+    assert!(errors >= 100, "{errors}");
+    // Two of each session would be twice as many as there are errors. Those of the last may have ended a moment ago.
+    assert!(zombies <= 32, "{zombies}");
     assert_eq!(children(), Vec::<String>::new());
 }
