@@ -36,7 +36,12 @@ impl HostMemory for Watched {
         self.reads.set(self.reads.get() + 1);
         self.moved.set(self.moved.get() + bytes.len());
         for i in 0..bytes.len() {
-            bytes[i] = if addr.0.wrapping_add(i as u32) == self.addr { self.byte } else { self.other };
+            bytes[i] = match addr.0.checked_add(i as u32) {
+                Some(at) if at == self.addr => self.byte,
+                Some(_) => self.other,
+                // Beyond the end.
+                None => 0,
+            };
         }
     }
 }

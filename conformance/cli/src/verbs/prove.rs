@@ -10,7 +10,7 @@ use clap::ValueEnum as _;
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
 use rayon::prelude::*;
-use saarcor_proofs::evidence::{Evidence, State};
+use saarcor_proofs::evidence::{Evidence, Shown, State};
 use saarcor_proofs::theorem::Theorem;
 use saarcor_studies::names::nearest;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -29,7 +29,7 @@ pub struct Args {
     /// Lists the theorems, with what was shown of them before, and judges none
     #[arg(long, conflicts_with = "engine")]
     list: bool,
-    /// Judges only theorems of which the engine has shown nothing, or nothing for the code as it is
+    /// Judges only theorems that the engine has not shown to hold, or not for the code as it is
     #[arg(long, conflicts_with = "list")]
     stale: bool,
     /// Writes what is shown into proofs/verdicts.toml: Kani's after each theorem
@@ -88,11 +88,14 @@ impl Args {
         for &engine in &engines {
             let mut asked = theorems.clone();
             if self.stale {
-                asked.retain(|theorem| {
-                    matches!(evidence.state(theorem, engine.name()), State::Stale | State::Missing)
+                asked.retain(|theorem| match evidence.state(theorem, engine.name()) {
+                    State::Stale | State::Missing => true,
+                    // An answer that is wanting is asked for again.
+                    State::Current => !evidence.of(theorem, engine.name()).is_some_and(Shown::holds),
+                    State::NotForKani => false,
                 });
                 progress.say(format_args!(
-                    "{engine}: the evidence of {} of {} theorems is stale or missing",
+                    "{engine}: the evidence of {} of {} theorems is stale or missing, or does not show that they hold",
                     asked.len(),
                     theorems.len()
                 ));

@@ -11,10 +11,15 @@ use crate::draw::{self, WORDS};
 use crate::source::{Source, Stop};
 use crate::{assume, check, check_eq, cover, theorems};
 use saarcor_model::time::{Answer, FirstLevelInTime, L1Config, LineInFlight, LinePart, TransferId};
-use saarcor_model::vm::{HostAddr, LineAddr, Policy};
+use saarcor_model::vm::{HostAddr, LineAddr, Policy, Set};
 
-/// Lines in flight.
+/// Most lines in flight. To Kani always so many: a list whose length is a symbol takes it more than 2 GiB.
 const IN_FLIGHT: usize = if cfg!(kani) { 2 } else { 3 };
+
+/// An empty list with room for what a step adds: to Kani, to which a list that grows is work.
+fn list<T>() -> Vec<T> {
+    if cfg!(kani) { Vec::with_capacity(IN_FLIGHT + 1) } else { Vec::new() }
+}
 
 /// Any legal cache in time of one set; its lines in flight, each with thread 0 waiting.
 ///
@@ -23,22 +28,31 @@ fn cache<S: Source>(s: &mut S) -> Result<FirstLevelInTime, Stop> {
     let registers = s.value("registers", 1..=64, &WORDS[1..4]);
     let config = L1Config { line: 4, sets: 1, ports: 1, latency: 1, mshrs: registers };
     let mut l1 = FirstLevelInTime::new(HostAddr(0), config, 1);
-    let mut set = l1.cache.sets[0];
+    let mut set = Set::empty(Policy::Lru);
     for way in 0..4 {
-        set.set.resident[way] = draw::flag(s, "resident");
-        set.set.lines[way] = LineAddr(s.value("line of a way", 0..=u32::MAX, draw::words(way, 1)));
+        set.resident[way] = draw::flag(s, "resident");
+        set.lines[way] = LineAddr(s.value("line of a way", 0..=u32::MAX, draw::words(way, 1)));
     }
     let oldest = s.value("rotation of the order", 0..=3, &draw::BYTES[..2]);
     for way in 0..4 {
-        set.set.order[way] = (way as u8 + oldest) & 3;
+        set.order[way] = (way as u8 + oldest) & 3;
     }
-    assume!(set.set.is_valid(Policy::Lru));
-    l1.cache.sets[0] = set;
+    assume!(set.is_valid(Policy::Lru));
+    // The set alone: CBMC 6.6 ends where it reads a constant with an array of nothing, as the contents are.
+    l1.cache.sets[0].set = set;
+    l1.in_flight = list();
+    if cfg!(kani) {
+        s.size("lines in flight", IN_FLIGHT);
+        l1.queue.reserve(2);
+        l1.parts.reserve(1);
+    }
     for _ in 0..IN_FLIGHT {
-        if draw::flag(s, "one more line in flight") {
+        if cfg!(kani) || draw::flag(s, "one more line in flight") {
             let line =
                 LineAddr(s.value("line in flight", 0..=u32::MAX, if cfg!(kani) { &[] } else { &[0, 4, 7] }));
-            l1.in_flight.push(LineInFlight { line, threads: vec![0], unread: 1, reads: Vec::new() });
+            let (mut threads, reads) = (list(), list());
+            threads.push(0);
+            l1.in_flight.push(LineInFlight { line, threads, unread: 1, reads });
         }
     }
     assume!(l1.in_flight.len() <= l1.registers && flies_once(&l1));
@@ -78,7 +92,7 @@ fn part(line: LineAddr) -> LinePart {
 theorems! {
     /// A line in flight is not fetched again: whatever the set says of it, a thread that looks it up waits
     /// with the others, and no line is ever in flight twice.
-    #["CH-10", unwind 7, covers ["in flight and resident", "in flight and evicted", "fetched"]]
+    #["CH-10", not_for_kani "lists in a list, which grows, take it more than 2 GiB", covers ["in flight and resident", "in flight and evicted", "fetched"]]
     fn line_in_flight_is_not_fetched_again(s) {
         let mut l1 = cache(s)?;
         let line = draw::line(s, &LINES_AND_A_FAR_ONE);
