@@ -160,7 +160,10 @@ impl Sources {
             }
             self.below.borrow_mut().insert(node, found.clone());
         }
-        let of_engine = if engine == "kani" { OF_KANI } else { OF_OTHERS };
+        // Of the engines' own files each judges by one alone, whoever names the other.
+        let [of_engine, of_another] =
+            if engine == "kani" { [OF_KANI, OF_OTHERS] } else { [OF_OTHERS, OF_KANI] };
+        found.remove(of_another);
         found.extend(self.texts.get(of_engine).map(|text| (of_engine.to_owned(), text.hash)));
         found
     }
