@@ -178,15 +178,21 @@ fn said_against(text: &str, theorem: &str) -> [Option<String>; 2] {
     })
 }
 
-/// The theorems that may find a fault, since they rest on its file: no others see it. A fault of the
-/// specification makes it differ from its twin too, and the theorem of their equality does not say which of
-/// the two is wrong: for such a fault the theorems of the specification are judged, and its own.
+/// The theorems that may find a fault and say what is wrong, as far as they rest on its file: its own, and
+/// all others but those of something larger. A fault of the specification makes it differ from its twin too,
+/// and their equality does not say which of the two is wrong; nor does the equality of whole chips, or of
+/// whole intersection units, say which part differs.
 fn resting_on(evidence: &Evidence, fault: &Fault) -> Vec<&'static str> {
     let file = fault.path().to_string_lossy().into_owned();
+    let is_of_something_larger = |theorem: &Theorem| match theorem.unit() {
+        unit if fault.package == "spec" => unit.starts_with("equal"),
+        "equal::chip" => !fault.file.starts_with("chip"),
+        "equal::adaptive" => theorem.name.contains("unit") && fault.file != "adaptive/unit.rs",
+        _ => false,
+    };
     let may_find = |theorem: &&Theorem| {
-        let of_equality = theorem.unit().starts_with("equal");
         theorem.name == fault.theorem
-            || (evidence.files(theorem).contains(&file) && (fault.package == "fast" || !of_equality))
+            || (evidence.files(theorem).contains(&file) && !is_of_something_larger(theorem))
     };
     saarcor_proofs::theorems().filter(may_find).map(|theorem| theorem.name).collect()
 }

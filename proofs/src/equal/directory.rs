@@ -130,7 +130,7 @@ theorems! {
         let load = draw::set_of::<S, 4>(s, config.policy)?;
         let mut expected = Directory::over(config, Scripted { load, loaded: None, stored: None });
         let mut got = expected.clone();
-        let line = draw::line(s, &WORDS[..4]);
+        let line = draw::line(s, &WORDS[..5]);
         let outcome = expected.access(line);
         cover!(s, "hit", matches!(outcome, Outcome::Hit { .. }));
         cover!(s, "miss", matches!(outcome, Outcome::Miss { .. }));

@@ -78,7 +78,8 @@ type Twin<const META_WAYS: usize> = MetadataDecisions<WAYS, META_WAYS, Record>;
 
 /// Any version B in any consistent state, the twin's state that corresponds to it, and a set's number.
 ///
-/// Small scope: one other set beside, one stale byte for all on the card that are out of date.
+/// Small scope: one other set beside, one stale byte for all on the card that are out of date. Of a metadata cache of 4
+/// ways each holds the granule of its number or none, in the order of an empty cache.
 fn states<S: Source, const META_WAYS: usize, const GRANULE: usize>(
     s: &mut S,
     config: &CacheConfig,
@@ -118,7 +119,8 @@ fn states<S: Source, const META_WAYS: usize, const GRANULE: usize>(
                 continue;
             }
             let last = used / GRANULE - 1;
-            let granule = s.value("granule in the cache", 0..=last as u32, draw::words(0, last + 1));
+            let small = if META_WAYS > 2 { draw::words(way, 1) } else { draw::words(0, last + 1) };
+            let granule = s.value("granule in the cache", 0..=last as u32, small);
             assume!(granule as usize % meta_sets == index);
             let dirty = draw::flag(s, "dirty");
             (cached.set.resident[way], cached.set.lines[way], cached.dirty[way]) =
@@ -130,7 +132,9 @@ fn states<S: Source, const META_WAYS: usize, const GRANULE: usize>(
                 }
             }
         }
-        cached.set.order = draw::order(s, granules);
+        if META_WAYS <= 2 {
+            cached.set.order = draw::order(s, granules);
+        }
         assume!(cached.is_valid(granules));
         cache[index] = cached;
         (decisions[index].set, decisions[index].dirty) = (cached.set, cached.dirty);

@@ -242,7 +242,7 @@ theorems! {
         let beat = if cfg!(kani) { BEAT } else { 1 << s.value("log2 beat", 0..=12, &BYTES[..13]) };
         let config = SdramConfig { beat_bytes: beat as u32, ..SdramConfig::STANDARD };
         let addr = u64::from(s.value("address", 0..=u32::MAX, &ENDS));
-        let bytes = u64::from(s.value("bytes", 1..=u16::MAX, &[1, 2, 15, 16, 17, 32, 36, 128]));
+        let bytes = u64::from(s.value("bytes", 1..=u16::MAX, &[1, 2, 15, 16, 17, 32, 36, 128, u16::MAX]));
         let beats = config.beats(addr, bytes);
         let first = addr & !(beat - 1);
         cover!(s, "one beat", beats == 1);

@@ -203,17 +203,6 @@ theorems! {
         check_eq!(lines.contains(&u64::from(line)), meets, "{geometry:?}: {lines:?} of {len} bytes at {addr:?}, line {line}");
     }
 
-    /// The address some bytes further on is the sum of both, wherever in the address space both lie.
-    #["VM-1", unwind 8, covers ["into the upper half", "the last byte of all"]]
-    fn offset_address_is_the_sum(s) {
-        let (addr, bytes) = (draw::addr(s, &EDGES), s.value("bytes", 0..=u32::MAX, &ENDS));
-        assume!(u64::from(addr.0) + u64::from(bytes) < 1 << 32);
-        let sum = addr.0 + bytes;
-        cover!(s, "into the upper half", addr.0 < 1 << 31 && sum >= 1 << 31);
-        cover!(s, "the last byte of all", sum == u32::MAX);
-        check_eq!(addr.offset(bytes), HostAddr(sum), "{bytes} bytes behind {addr:?}");
-    }
-
     /// The metadata takes 5 bytes for each line that the memory holds.
     #["VM-2", unwind 8, covers ["one line", "4 GiB"]]
     fn metadata_is_five_bytes_a_line(s) {

@@ -123,7 +123,11 @@ theorems! {
     #["CH-11", unwind 7, covers ["no register", "resident while all are taken", "a register is free"]]
     fn look_up_without_a_register_only_queues(s) {
         let mut l1 = cache(s)?;
-        l1.queue.push_back(9);
+        // A chip of 64 pipelines may queue nearly all of its threads.
+        let queued = if cfg!(kani) { 1 } else { s.value("threads in the queue", 0..=4095_u32, &[0, 1, 70]) as usize };
+        for _ in 0..queued {
+            l1.queue.push_back(9);
+        }
         let line = draw::line(s, &LINES);
         let is_full = l1.in_flight.len() == l1.registers;
         let needs = !l1.cache.is_resident(line) && !flies(&l1, line);
@@ -135,9 +139,10 @@ theorems! {
         check!((answer == Answer::NoRegister) == (is_full && needs), "{line:?}, full {is_full}, needs one {needs}: {answer:?}");
         if answer == Answer::NoRegister {
             check!(l1.cache.sets[0].set == cache.sets[0].set && l1.report.accesses == accesses, "{line:?} changed {l1:?}");
-            check!(l1.queue.len() == 2 && l1.queue[0] == 9 && l1.queue[1] == 1, "queue {:?}", l1.queue);
+            let last = l1.queue.len() == queued + 1 && l1.queue[queued] == 1 && (queued == 0 || l1.queue[0] == 9);
+            check!(last, "behind {queued} threads: queue {:?}", l1.queue);
         } else {
-            check!(l1.queue.len() == 1 && l1.report.accesses == accesses + 1, "{answer:?}: {:?}", l1.queue);
+            check!(l1.queue.len() == queued && l1.report.accesses == accesses + 1, "{answer:?}: {:?}", l1.queue);
         }
     }
 
