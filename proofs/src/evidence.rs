@@ -1,7 +1,7 @@
 //! What each theorem rests on, and what each engine has shown of it.
 //!
 //! A theorem rests on its own text, on the items that this names, on those that these name, and so on; and where
-//! a type counts, so does what is implemented for it ([`sources`]). All of it is hashed without comments, white
+//! a type counts, so does what is implemented for it (`evidence/sources.rs`). All of it is hashed without comments, white
 //! space and unit tests. The compiler and other people's crates are not a part of it.
 //!
 //! What was shown stands in `verdicts.toml`, which `saarcor prove --record` writes. What Kani draws of a
