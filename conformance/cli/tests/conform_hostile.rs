@@ -60,12 +60,15 @@ impl Run {
         (most, took, report.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr))))
     }
 
-    /// Waits until the implementation runs.
+    /// Waits until the implementation runs, and the runner has had time to note it: what is killed between two
+    /// instructions of the runner is another matter.
     fn wait_for_implementation(&self) {
-        while marked(&self.mark).len() < 2 {
+        let is_runner = |line: &String| line.contains("conform run");
+        while marked(&self.mark).iter().all(is_runner) {
             assert!(self.began.elapsed() < Duration::from_secs(60), "it never starts");
             std::thread::sleep(Duration::from_millis(5));
         }
+        std::thread::sleep(Duration::from_millis(500));
     }
 }
 

@@ -15,6 +15,8 @@ const MOST_OUTPUT: usize = 64 << 20;
 const KEPT: usize = 4096;
 /// Lines of it that are shown.
 const SHOWN_LINES: usize = 3;
+/// Bytes that a pipe holds at most, as Linux limits it.
+const MOST_IN_PIPE: usize = 1 << 20;
 /// Time between two looks at a build that writes nothing.
 const POLL: Duration = Duration::from_millis(5);
 
@@ -53,10 +55,10 @@ impl Build {
         })?;
         let ends = Instant::now() + self.time_limit;
         loop {
-            // The output of one that has ended is complete.
+            // The output of one that has ended is complete: what it left running may fill the pipe for ever.
             let end = group.end();
             output.read();
-            if output.bytes > MOST_OUTPUT {
+            if end.is_none() && output.bytes > MOST_OUTPUT {
                 return Err(self.fails(format!("writes more than {} MiB", MOST_OUTPUT >> 20)));
             }
             match end {
@@ -77,19 +79,17 @@ impl Build {
 }
 
 impl Output {
-    /// Takes what is there, and keeps its end.
+    /// Takes what is in the pipe, and keeps its end.
     fn read(&mut self) {
         let mut bytes = [0; 1 << 16];
-        while let Some(pipe) = &mut self.pipe {
+        let before = self.bytes;
+        while let Some(pipe) = self.pipe.as_mut().filter(|_| self.bytes - before < MOST_IN_PIPE) {
             match pipe.read(&mut bytes) {
                 Ok(0) => self.pipe = None,
                 Ok(read) => {
                     self.bytes += read;
                     self.end.extend_from_slice(&bytes[..read]);
                     self.end.drain(..self.end.len().saturating_sub(KEPT));
-                    if self.bytes > MOST_OUTPUT {
-                        return;
-                    }
                 }
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) if error.kind() == ErrorKind::WouldBlock => return,
@@ -121,17 +121,20 @@ impl Output {
 mod tests {
     use super::*;
 
-    fn built(command: &str) -> Result<(), String> {
+    /// Long enough for whatever ends, on a busy machine too.
+    const AMPLE: Duration = Duration::from_secs(600);
+
+    fn built(command: &str, time_limit: Duration) -> Result<(), String> {
         let folder = tempfile::tempdir().expect("a folder");
-        let time_limit = Duration::from_millis(500);
         let build = Build { command: command.to_owned(), folder: folder.path().to_owned(), time_limit };
         build.run().map_err(|error| error.to_string())
     }
 
     #[test]
     fn builds_end_with_few_words() {
-        assert_eq!(built("echo compiles; sleep 1000 &"), Ok(()));
-        let says = built("seq 100000; echo wrong >&2; exit 3").expect_err("it fails");
+        assert_eq!(built("echo compiles; sleep 1000 &", AMPLE), Ok(()));
+        assert_eq!(built("yes & true", AMPLE), Ok(()));
+        let says = built("seq 100000; echo wrong >&2; exit 3", AMPLE).expect_err("it fails");
         assert!(says.ends_with("ended with status 3: 99999 | 100000 | wrong"), "{says}");
     }
 
@@ -140,11 +143,11 @@ mod tests {
         for command in
             ["sleep 1000", "sleep 1000 > /dev/null 2>&1", "while :; do echo more; sleep 0.01; done"]
         {
-            let says = built(command).expect_err("it hangs");
+            let says = built(command, Duration::from_millis(500)).expect_err("it hangs");
             assert!(says.ends_with("not done within 0.5 s, its build_limit"), "{says}");
         }
         for command in ["yes", "cat /dev/zero >&2"] {
-            let says = built(command).expect_err("it writes without end");
+            let says = built(command, AMPLE).expect_err("it writes without end");
             assert!(says.ends_with("writes more than 64 MiB"), "{says}");
         }
     }

@@ -92,10 +92,11 @@ impl DutFile {
             more => return Err(format!("tolerance = {more}: at most {MAX_TOLERANCE} thousandths").into()),
         }
         for (key, limit) in [("time_limit", file.time_limit), ("build_limit", file.build_limit)] {
-            if !(limit > 0.0 && limit <= MAX_TIME_LIMIT) {
-                return Err(
-                    format!("{key} = {limit}: it is a number of seconds from 0 to {MAX_TIME_LIMIT}").into()
-                );
+            if !(0.001..=MAX_TIME_LIMIT).contains(&limit) {
+                return Err(format!(
+                    "{key} = {limit}: it is a number of seconds from 0.001 to {MAX_TIME_LIMIT}"
+                )
+                .into());
             }
         }
         Ok(file)

@@ -134,6 +134,8 @@ fn late_failures_are_shrunk_in_little_memory() {
             assert!(most < MOST_KIB, "{}: {most} KiB", kind.name());
             match when {
                 When::After(last) => assert_eq!(failure.minimal_requests, last + 1),
+                // On a busy machine the time is over before the session is short.
+                When::Behind(_) if failure.cut_short => {}
                 When::Behind(_) => assert!(failure.minimal_requests < 200, "{}", failure.text()),
             }
         }
