@@ -71,6 +71,8 @@ fn judgement(
 thread_local! {
     /// Whether this thread judges a case: what panics then is said of the case, and not on standard error.
     static JUDGES: Cell<bool> = const { Cell::new(false) };
+    /// Where the last such panic was.
+    static PLACE: RefCell<String> = const { RefCell::new(String::new()) };
 }
 
 /// Judges a case. Where the model panics, the theorem does not hold.
@@ -79,7 +81,9 @@ fn case<E>(body: fn(&mut E) -> Holds, engine: &mut E) -> Holds {
     QUIET.call_once(|| {
         let loud = take_hook();
         set_hook(Box::new(move |panic| {
-            if !JUDGES.get() {
+            if JUDGES.get() {
+                PLACE.set(panic.location().map(|place| format!(", {place}")).unwrap_or_default());
+            } else {
                 loud(panic);
             }
         }));
@@ -90,7 +94,7 @@ fn case<E>(body: fn(&mut E) -> Holds, engine: &mut E) -> Holds {
     result.unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<String>().map(String::as_str);
         let said = said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or_default();
-        Err(Stop::Disproved(format!("it panics: {said}")))
+        Err(Stop::Disproved(format!("it panics: {said}{}", PLACE.take())))
     })
 }
 

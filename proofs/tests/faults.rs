@@ -171,7 +171,8 @@ fn said_against(text: &str, theorem: &str) -> [Option<String>; 2] {
             .filter_map(|said| said.split_once("do not hold:\n"))
             .map(|(_, claims)| claims)
             .collect();
-        claims.contains(&format!("{theorem} (")).then(|| {
+        let fails = claims.lines().any(|line| line.starts_with(&format!("{theorem} (")));
+        fails.then(|| {
             let lines: Vec<_> = claims.lines().take_while(|line| !line.starts_with("note:")).collect();
             lines.join("\n")
         })

@@ -132,7 +132,7 @@ pub const SPECIFICATION: &[(&str, &[Operation])] = &[
         "model/spec/src/vm/first_level.rs",
         &[
             ("FirstLevel::lines_of", &["l1_lines_of_a_read_are_those_that_it_meets"]),
-            ("FirstLevel::bytes_of", &["l1_lines_of_a_read_are_those_that_it_meets"]),
+            ("FirstLevel::bytes_of", &["l1_lines_have_all_their_bytes"]),
             ("FirstLevel::set_of", &["l1_lines_are_what_lies_behind"]),
             ("FirstLevel::is_resident", &["l1_without_bytes_decides_like_the_one_with_bytes"]),
             (

@@ -189,7 +189,7 @@ theorems! {
 
     /// The lines of a read are exactly those of which it has a byte, up to the last byte of the address
     /// space, with lines of up to 64 KB.
-    // Lines of one byte have the most numbers. Kani takes powers of two beside: see above.
+    // Lines of one byte have the most numbers. Kani takes 4096 bytes beside.
     #["L1-1", unwind 5, covers ["a line of the read", "another line", "the end of the address space", "bytes below the base"]]
     fn l1_lines_of_a_read_are_those_that_it_meets(s) {
         let base = base(s);
@@ -197,8 +197,8 @@ theorems! {
         let (start, end) = (u64::from(addr.0), u64::from(addr.0).saturating_add(len).min(1 << 32));
         let line = draw::line(s, &[0, 1, 2, u32::MAX / 3, u32::MAX - 1, u32::MAX]);
         let any = if cfg!(kani) { 4096 } else { s.value("bytes a line", 1..=1 << 16, &[3, 36, 0x8000, 1 << 16]) };
+        s.size("least bytes a line", 1);
         for line_bytes in [1, any] {
-            s.size("bytes a line", line_bytes as usize);
             let l1 = FirstLevel::<1, ()>::new(base, line_bytes, 1, Policy::Lru);
             if begins_within_the_address_space(&l1, line) {
                 let first = u64::from(base.0) + u64::from(line.0) * u64::from(line_bytes);

@@ -1,7 +1,7 @@
 //! Theorems of a first-level cache in time: one look-up from any legal state (CH-9 to CH-11), and whole runs
 //! of small chips (CH-8, CH-11).
 //!
-//! The state is that of one set of four ways, since an access changes no other set (`access_changes_one_set`),
+//! The state is that of one set of four ways, since an access changes no other set (`access_is_the_step_of_its_set`),
 //! with up to three lines in flight. It is legal if no line is in flight twice and each line in flight has a
 //! register.
 
