@@ -298,7 +298,7 @@ fn the_others_are_found_by_both_engines() {
 /// and the theorems that fail. A run that was cut off goes on with the faults that have no line yet; parts
 /// (`SAARCOR_FAULTS_PART`) may run side by side.
 #[test]
-#[ignore = "builds the model and judges all theorems once for each fault: an hour"]
+#[ignore = "builds the model and judges all theorems once for each fault: hours"]
 fn the_matrix_of_faults_and_theorems() {
     let Some(path) = std::env::var_os("SAARCOR_MATRIX") else {
         println!("no file to write: SAARCOR_MATRIX=FILE names it");
