@@ -28,9 +28,8 @@ use saarcor_model::vm::{
 const SET_BYTES: usize = WAYS * ENTRY_BYTES;
 /// Bytes of whole granules of any size that hold the metadata of all sets.
 const MOST_BYTES: usize = SETS * SET_BYTES + 16;
-/// Most granules that one step uses: all of each set's, to load and to store each of its lines. To Kani two to load its one
-/// set, and two to store it.
-const MOST_EVENTS: usize = if cfg!(kani) { 4 } else { 40 };
+/// Most granules that one step uses: all of each set's, to load and to store each of its lines.
+const MOST_EVENTS: usize = 40;
 
 /// Keeps what a metadata cache does, in order: of each granule used, its number, the outcome, and the
 /// granule written back.
@@ -58,11 +57,8 @@ impl Record {
 
 impl<Contents> MetadataObserver<Contents> for Record {
     fn granule_used(&mut self, granule: LineAddr, outcome: Outcome, write_back: Option<WriteBack<Contents>>) {
-        let event = Some((granule, outcome, write_back.map(|back| back.line)));
-        for i in 0..MOST_EVENTS {
-            if i == self.count {
-                self.events[i] = event;
-            }
+        if let Some(event) = self.events.get_mut(self.count) {
+            *event = Some((granule, outcome, write_back.map(|back| back.line)));
         }
         self.count += 1;
     }
@@ -89,8 +85,7 @@ fn states<S: Source, const META_WAYS: usize, const GRANULE: usize>(
     s.size("bytes a granule", GRANULE);
     let policy = config.policy;
     let granules = if META_WAYS == 1 { Policy::Lru } else { draw::policy(s) };
-    // The only set is a constant to Kani, and with it every position of its metadata.
-    let own = if SETS == 1 { 0 } else { s.value("set", 0..=SETS as u32 - 1, draw::words(0, SETS)) as usize };
+    let own = s.value("set", 0..=SETS as u32 - 1, draw::words(0, SETS)) as usize;
     let mut sets = [Set::<WAYS>::empty(policy); SETS];
     for index in 0..SETS {
         sets[index] = if index == own {
@@ -160,11 +155,9 @@ fn correspond<const META_WAYS: usize, const GRANULE: usize>(
 /// several shapes: ways, bytes a granule, sets.
 macro_rules! any_cache {
     ($source:expr, $body:ident) => {
-        match if cfg!(kani) { 0 } else { $source.value("metadata cache", 0..=3, &BYTES[..4]) } {
+        match $source.value("metadata cache", 0..=3, &BYTES[..4]) {
             0 => $body::<S, 1, 4>($source, 1)?,
-            #[cfg(not(kani))]
             1 => $body::<S, 2, 4>($source, 1)?,
-            #[cfg(not(kani))]
             2 => $body::<S, 1, 4>($source, 2)?,
             _ => $body::<S, 1, 16>($source, 1)?,
         }
@@ -254,7 +247,7 @@ theorems! {
         "found", "loaded", "written back for a load", "nothing to store", "stored", "written back for a store", "a dirty granule forgotten"
     ]]
     fn fast_version_b_moves_the_same_granules(s) {
-        match if cfg!(kani) { 0 } else { s.value("metadata ways (as below, 4)", 0..=1, &BYTES[..2]) } {
+        match s.value("metadata ways (as below, 4)", 0..=1, &BYTES[..2]) {
             0 => any_cache!(s, moves_alike),
             _ => moves_alike::<S, 4, 4>(s, 1)?,
         }
