@@ -115,17 +115,24 @@ impl Sources {
     }
 
     fn add(&mut self, crates: &Crates, path: &str, node: &str, tokens: &[&str]) {
-        let mut names = BTreeSet::new();
-        if !is_whole(path) {
-            crates.named(path, tokens, &mut names);
-            // What of its file has no name.
-            names.insert(path.to_owned());
-            if node == path {
-                names.extend(crates.traits_in(path));
-            }
-        }
         let mut hash = Hash::default();
         tokens.iter().for_each(|token| hash.add(token));
+        let mut names = BTreeSet::new();
+        let mut add = |texts: BTreeSet<String>| {
+            // Two names exchanged by `use` are the same words, and lead to the same texts in all: what each of them
+            // leads to counts.
+            texts.iter().for_each(|text| hash.add(text));
+            hash.add("");
+            names.extend(texts);
+        };
+        if !is_whole(path) {
+            crates.named(path, tokens, &mut add);
+            if node == path {
+                add(crates.traits_in(path));
+            }
+            // What of its file has no name.
+            add(BTreeSet::from([path.to_owned()]));
+        }
         self.texts.insert(node.to_owned(), Text { hash: hash.0, names });
     }
 
@@ -221,7 +228,7 @@ impl<'a> File<'a> {
                 Kind::Use => {
                     let names = rust::used(tokens);
                     file.used.extend(names.iter().cloned());
-                    // Where a name of these crates leads shows in what rests on it.
+                    // Where a name of these crates leads counts in each text that has the name.
                     let is_own = |path: &[&str]| {
                         let first = path.first().copied().unwrap_or_default();
                         ["crate", "super", "self"].contains(&first)
@@ -419,8 +426,8 @@ impl<'a> Crates<'a> {
         own.chain(brought.chain(of_globs).filter(is_trait)).collect()
     }
 
-    /// The texts that the words of a text name, which stands in a file.
-    fn named(&self, path: &str, tokens: &[&str], names: &mut BTreeSet<String>) {
+    /// The texts that each path of a text names, which stands in a file, one path after another.
+    fn named(&self, path: &str, tokens: &[&str], mut add: impl FnMut(BTreeSet<String>)) {
         let mut at = 0;
         while at < tokens.len() {
             let before = |by: usize| at.checked_sub(by).map_or("", |at| tokens[at]);
@@ -433,11 +440,9 @@ impl<'a> Crates<'a> {
                     if name == "*" && words == ["super"] {
                         continue;
                     }
-                    names.extend(self.path_in(path, &words).unwrap_or_default());
+                    add(self.path_in(path, &words).unwrap_or_default());
                     if let Some((folder, words)) = self.place(path, &words) {
-                        names.extend(
-                            self.file((folder, &words)).map(|path| self.whole(path)).unwrap_or_default(),
-                        );
+                        add(self.file((folder, &words)).map(|path| self.whole(path)).unwrap_or_default());
                     }
                 }
                 at = end;
@@ -459,7 +464,7 @@ impl<'a> Crates<'a> {
                 words.push(tokens[end + 2]);
                 end += 3;
             }
-            names.extend(self.path_in(path, &words).unwrap_or_default());
+            add(self.path_in(path, &words).unwrap_or_default());
             at = end;
         }
     }
@@ -583,5 +588,29 @@ mod tests {
             [true, false]
         );
         assert_eq!(differs("number!(Way)", "number!(Ways)"), [true, false]);
+    }
+
+    #[test]
+    fn exchanged_names_show() {
+        let with = |used: &str| {
+            let theorem = format!(
+                "{used} theorems! {{ #[\"VM-1\", unwind 2, covers [\"x\"]] fn of_two(s) {{ one(two()) + Least.of(Most) }} }}"
+            );
+            let model = "pub fn one() {} pub fn two() {} pub trait Least {} pub trait Most {}";
+            let files = [("model/spec/src/two.rs", model), ("proofs/src/two.rs", theorem.as_str())];
+            sources(&files).below("proofs/src/two.rs", "of_two", "kani")
+        };
+        let before = with("use saarcor_model::two::{one, two};");
+        assert_eq!(
+            before,
+            with("use saarcor_model::two::two; use saarcor_model::two::one;"),
+            "the order of names"
+        );
+        assert_ne!(before, with("use saarcor_model::two::{one as two, two as one};"));
+        // A method may be that of any trait that the file has.
+        assert_ne!(
+            with("use saarcor_model::two::{one, two, Least as First, Most};"),
+            with("use saarcor_model::two::{one, two, Least, Most as First};")
+        );
     }
 }
