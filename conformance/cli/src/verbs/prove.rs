@@ -84,6 +84,12 @@ impl Args {
 
         let without_kani = || Engines(vec![Engine::Exhaustive, Engine::Random]);
         let Engines(engines) = self.engine.clone().unwrap_or_else(without_kani);
+        if self.record && !cfg!(debug_assertions) && engines.iter().any(|engine| *engine != Engine::Kani) {
+            bail!(
+                "this build does not check for overflow, so what the engines exhaustive and random show by it is less than \
+                 the tests show: record with 'cargo run -- prove', without --release (or Kani's alone: --engine kani)"
+            );
+        }
         let mut all = Vec::new();
         for &engine in &engines {
             let mut asked = theorems.clone();
