@@ -1,21 +1,41 @@
 //! Every theorem, by the engines that run everywhere: a test a group and engine.
 
 use saarcor_proofs::engines::{Judgement, Random};
+use saarcor_proofs::evidence::{Evidence, State};
 use saarcor_proofs::theorem::Theorem;
 use saarcor_proofs::theorems;
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{LazyLock, Mutex};
 
-fn all_hold(group: &str, failed_before: &AtomicBool, engine: impl Fn(&Theorem) -> Judgement) {
-    // One failure, or the judgement of some theorems, is enough for whoever plants faults.
+/// Whether a theorem did not hold, of any group, by any engine.
+static FAILED: AtomicBool = AtomicBool::new(false);
+
+/// The theorems of a group that are judged: all. Whoever plants faults may ask for less, and for the quick ones first: with
+/// `SAARCOR_THEOREM=NAME,NAME` for those, with `SAARCOR_STALE=1` for those that rest on what was changed since the engine
+/// has shown them.
+fn asked(group: &str, engine: &str) -> Vec<&'static Theorem> {
+    static EVIDENCE: LazyLock<Mutex<Evidence>> =
+        LazyLock::new(|| Mutex::new(Evidence::read(&Evidence::workspace()).expect("the evidence")));
+    let mut asked: Vec<_> = theorems().filter(|theorem| group_of(theorem) == group).collect();
+    if let Ok(names) = std::env::var("SAARCOR_THEOREM") {
+        asked.retain(|theorem| names.split(',').any(|name| name == theorem.name));
+    }
+    if std::env::var_os("SAARCOR_STALE").is_some() {
+        let evidence = EVIDENCE.lock().expect("the evidence");
+        let seconds = |theorem: &Theorem| evidence.of(theorem, engine).map_or(0.0, |shown| shown.seconds);
+        asked.retain(|theorem| evidence.state(theorem, engine) != State::Current);
+        asked.sort_by(|a, b| seconds(a).total_cmp(&seconds(b)));
+    }
+    asked
+}
+
+fn all_hold(group: &str, name: &str, engine: impl Fn(&Theorem) -> Judgement) {
+    // One failure is enough for whoever plants faults.
     let first_alone = std::env::var_os("SAARCOR_FIRST_FAILURE").is_some();
-    let some = std::env::var("SAARCOR_THEOREM").ok();
     let mut failed = Vec::new();
-    for theorem in theorems().filter(|theorem| group_of(theorem) == group) {
-        if some.as_deref().is_some_and(|some| some.split(',').all(|name| name != theorem.name)) {
-            continue;
-        }
-        if first_alone && failed_before.load(Ordering::Relaxed) {
+    for theorem in asked(group, name) {
+        if first_alone && FAILED.load(Ordering::Relaxed) {
             break;
         }
         let judgement = engine(theorem);
@@ -23,7 +43,7 @@ fn all_hold(group: &str, failed_before: &AtomicBool, engine: impl Fn(&Theorem) -
         println!("{cases:>10} cases, {vacuous:>9} vacuous  {}", theorem.name);
         if let Some(case) = judgement.counterexample {
             failed.push(format!("{} ({}): {}\n    {case}", theorem.name, theorem.requirement, theorem.says));
-            failed_before.store(true, Ordering::Relaxed);
+            FAILED.store(true, Ordering::Relaxed);
         }
     }
     assert!(failed.is_empty(), "{} theorems do not hold:\n{}", failed.len(), failed.join("\n"));
@@ -40,12 +60,9 @@ macro_rules! engine {
         mod $name {
             use super::*;
 
-            /// Whether a theorem of any group did not hold.
-            static FAILED: AtomicBool = AtomicBool::new(false);
-
             $(#[test]
             fn $group() {
-                all_hold(stringify!($group), &FAILED, $judge);
+                all_hold(stringify!($group), stringify!($name), $judge);
             })+
 
             #[test]
