@@ -184,3 +184,15 @@ fn nothing_is_left_when_nobody_reads_the_report() {
     run.child.wait().expect("a child");
     assert_eq!(marked(&run.mark), Vec::<String>::new());
 }
+
+/// Where it is started with SIGCHLD ignored, the system would not say how implementations end.
+#[test]
+fn ends_are_known_whatever_the_runner_inherits() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let script = "trap '' CHLD; exec \"$0\" conform run 'exit 3' --errors 1 --json --quiet";
+    let mut runner = Command::new("sh");
+    runner.args(["-c", script, env!("CARGO_BIN_EXE_saarcor")]).current_dir(folder.path());
+    let output = runner.output().expect("it starts");
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("a report");
+    assert_eq!(report["failures"][0]["says"], "the implementation ended with status 3");
+}

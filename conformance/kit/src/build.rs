@@ -56,7 +56,7 @@ impl Build {
         let ends = Instant::now() + self.time_limit;
         loop {
             // The output of one that has ended is complete: what it left running may fill the pipe for ever.
-            let end = group.end();
+            let end = group.end()?;
             output.read();
             if end.is_none() && output.bytes > MOST_OUTPUT {
                 return Err(self.fails(format!("writes more than {} MiB", MOST_OUTPUT >> 20)));

@@ -2,12 +2,13 @@
 //! process, however either ends.
 
 use crate::error::Error;
+use rustix::io::retry_on_intr;
 use rustix::process::{
     Pid, Signal, WaitId, WaitIdOptions, WaitOptions, kill_process_group, waitid, waitpgid,
 };
 #[cfg(target_os = "linux")]
 use rustix::process::{kill_process, waitpid};
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::consts::{SIGCHLD, SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use std::collections::BTreeSet;
 use std::io::Write as _;
@@ -16,13 +17,16 @@ use std::path::Path;
 use std::process::{Child, ChildStdin, Command, Stdio};
 #[cfg(target_os = "linux")]
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::time::Duration;
 
 /// Looks for members of a group that has been killed, and the time between two of them: what is not gone by then
 /// is left to [`kill_strays`].
 const REAP_LOOKS: usize = 100;
 const REAP_POLL: Duration = Duration::from_millis(1);
+
+/// What is wrong where a leader's end cannot be asked for.
+const NO_END: &str = "whether the implementation has ended is not known";
 
 /// Whether this process inherits what its children leave behind.
 #[cfg(target_os = "linux")]
@@ -55,6 +59,7 @@ impl ProcessGroup {
             shell.current_dir(folder);
         }
         streams(&mut shell);
+        keep_ends()?;
         let _may_start = STARTING.read();
         let leader = shell.spawn().map_err(Error::system(format!("'{command}' cannot be started")))?;
         let group = Self { leader, is_gone: false };
@@ -68,12 +73,20 @@ impl ProcessGroup {
 
     /// How the leader has ended, if it has: an exit status or a signal. It stays a zombie, so that its group's
     /// number is not given to another.
-    pub fn end(&self) -> Option<LeaderEnd> {
+    ///
+    /// # Errors
+    /// Where the system does not say whether it has ended.
+    pub fn end(&self) -> Result<Option<LeaderEnd>, Error> {
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOWAIT | WaitIdOptions::NOHANG;
-        let status = waitid(WaitId::Pid(Pid::from_child(&self.leader)), options).ok()??;
+        let leader = WaitId::Pid(Pid::from_child(&self.leader));
+        let Some(status) =
+            retry_on_intr(|| waitid(leader.clone(), options)).map_err(Error::system(NO_END))?
+        else {
+            return Ok(None);
+        };
         // Where this process is ended by a signal, so are its children: that says nothing about them.
         drop(STARTING.read());
-        Some(LeaderEnd { status: status.exit_status(), signal: status.terminating_signal() })
+        Ok(Some(LeaderEnd { status: status.exit_status(), signal: status.terminating_signal() }))
     }
 
     /// Kills the process with all of its group, and takes their ends.
@@ -82,17 +95,23 @@ impl ProcessGroup {
             return;
         }
         let group = Pid::from_child(&self.leader);
-        // Both fail only where there is nothing left to kill.
+        // Each fails only where there is nothing left to kill. The leader may have left its group.
         let _ = kill_process_group(group, Signal::KILL);
-        let _ = self.leader.wait();
-        for _ in 0..REAP_LOOKS {
-            match waitpgid(group, WaitOptions::NOHANG) {
-                Ok(Some(_)) => {}
-                Ok(None) => std::thread::sleep(REAP_POLL),
-                Err(_) => break,
+        let _ = self.leader.kill();
+        {
+            // Once the ends of all are taken, the system may give the group's number to the next process: none is
+            // started meanwhile, and the number is no longer in the list by then.
+            let _none_is_started = STARTING.write();
+            Running::remove(self.number());
+            let _ = self.leader.wait();
+            for _ in 0..REAP_LOOKS {
+                match waitpgid(group, WaitOptions::NOHANG) {
+                    Ok(Some(_)) => {}
+                    Ok(None) => std::thread::sleep(REAP_POLL),
+                    Err(_) => break,
+                }
             }
         }
-        Running::remove(self.number());
         #[cfg(target_os = "linux")]
         reap_strays();
     }
@@ -102,6 +121,18 @@ impl Drop for ProcessGroup {
     fn drop(&mut self) {
         self.kill();
     }
+}
+
+/// Has the system keep how children end: it does not where this process was started with SIGCHLD ignored.
+fn keep_ends() -> Result<(), Error> {
+    static KEPT: Mutex<bool> = Mutex::new(false);
+    let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    if !*kept {
+        // Any handler will do.
+        signal_hook::flag::register(SIGCHLD, Arc::default()).map_err(Error::system(NO_END))?;
+        *kept = true;
+    }
+    Ok(())
 }
 
 /// How a process has ended.

@@ -51,7 +51,7 @@ impl Dut for Process {
         deadline: &Deadline,
     ) -> Result<ConversationEnd, Error> {
         let mut running = RunningProcess::start(self)?;
-        let timeout = running.hold(session.text(), scoreboard, self.time_limit, deadline);
+        let timeout = running.hold(session.text(), scoreboard, self.time_limit, deadline)?;
         running.group.kill();
         running.read_stderr();
         Ok(ConversationEnd { timeout, stderr: String::from_utf8_lossy(&running.stderr_tail).into_owned() })
@@ -112,7 +112,7 @@ impl RunningProcess {
         scoreboard: &mut Scoreboard<'_>,
         limit: Duration,
         deadline: &Deadline,
-    ) -> Option<Timeout> {
+    ) -> Result<Option<Timeout>, Error> {
         let ends = Instant::now() + limit;
         let mut last_answer = Instant::now();
         let mut sent = 0;
@@ -120,10 +120,10 @@ impl RunningProcess {
             let left = ends.saturating_duration_since(Instant::now());
             if left.is_zero() {
                 let silent = last_answer.elapsed() > limit / 2;
-                return Some(if silent { self.hung(scoreboard, limit) } else { Timeout::Slow });
+                return Ok(Some(if silent { self.hung(scoreboard, limit) } else { Timeout::Slow }));
             }
             if deadline.has_come() {
-                return Some(Timeout::Stopped);
+                return Ok(Some(Timeout::Stopped));
             }
             self.wait(left.min(deadline.left()).min(STOP_POLL));
             // What the model takes for its own answers counts too.
@@ -136,7 +136,7 @@ impl RunningProcess {
             self.read_stderr();
             sent += self.write(&text[sent..]);
         }
-        None
+        Ok(None)
     }
 
     fn hung(&self, scoreboard: &mut Scoreboard<'_>, limit: Duration) -> Timeout {
@@ -238,18 +238,18 @@ impl RunningProcess {
         scoreboard: &mut Scoreboard<'_>,
         exit_by: Instant,
         deadline: &Deadline,
-    ) -> Option<Timeout> {
+    ) -> Result<Option<Timeout>, Error> {
         // After the end it has all of its time to exit. Before, only how it exits is still of interest.
         let all_answered = scoreboard.stage() == Stage::Ended && self.pending == 0;
         let exit_by = if all_answered { exit_by } else { exit_by.min(Instant::now() + EXIT_GRACE) };
-        let mut exit = self.group.end();
+        let mut exit = self.group.end()?;
         while exit.is_none() && Instant::now() < exit_by {
             if deadline.has_come() {
-                return Some(Timeout::Stopped);
+                return Ok(Some(Timeout::Stopped));
             }
             std::thread::sleep(EXIT_POLL);
             self.read_stderr();
-            exit = self.group.end();
+            exit = self.group.end()?;
         }
         let how = exit.map_or("closed its output".to_owned(), |exit| exit.to_string());
         if scoreboard.stage() != Stage::Ended {
@@ -259,11 +259,11 @@ impl RunningProcess {
             scoreboard.misbehaves("P-4", "output after the answer to 'end'");
         } else if exit.is_none() {
             scoreboard.misbehaves("P-6", "does not end within the time limit after 'end'");
-            return Some(Timeout::Hung);
+            return Ok(Some(Timeout::Hung));
         } else if !exit.is_some_and(LeaderEnd::is_success) {
             scoreboard.misbehaves("P-6", &format!("the implementation {how} after 'end'"));
         }
-        None
+        Ok(None)
     }
 }
 

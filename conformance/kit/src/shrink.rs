@@ -99,12 +99,13 @@ impl Shrinker<'_, '_> {
     }
 
     /// Leaves out what stands before a flush, with which all begins anew: the last one, or as few before it
-    /// as are needed, within a factor of two.
+    /// as are needed, within a factor of two; the first one, where no later one will do.
     fn begin_late(&mut self) {
         let lines = self.session.requests().enumerate();
         let flushes: Vec<usize> = lines.filter(|(_, line)| *line == FLUSH).map(|(place, _)| place).collect();
         let backwards = std::iter::successors(Some(1), |back| Some(2 * back));
-        for back in backwards.take_while(|back| *back <= flushes.len()) {
+        let backwards = backwards.take_while(|back| *back < flushes.len());
+        for back in backwards.chain((!flushes.is_empty()).then_some(flushes.len())) {
             let flush = flushes[flushes.len() - back];
             if self.take_those(|place| place > flush) {
                 self.cut();
@@ -190,3 +191,43 @@ impl Shrinker<'_, '_> {
 
 /// The request with which all begins anew, in the kinds that have one.
 const FLUSH: &[u8] = b"flush";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::level::Level;
+    use crate::vm::Vm;
+
+    /// Whatever the number of flushes, what stands before the first of them is left out.
+    #[test]
+    fn all_flushes_are_begun_behind() {
+        for flushes in 1..9 {
+            let requests = "r 0 1\n".to_owned() + &"flush\nr 10 1\n".repeat(flushes);
+            let config = "line=16 lines=8 ways=2 hash=low policy=lru";
+            let session = Session::new("late", "saarcor-vm 1", config, requests.as_bytes());
+            let finding = Finding {
+                level: Level::Traffic,
+                requirement: "VM-4",
+                request: None,
+                asked: String::new(),
+                expected: String::new(),
+                got: String::new(),
+                says: String::new(),
+            };
+            let needed =
+                |session: &Session| session.requests().filter(|line| *line == b"r 10 1").count() == flushes;
+            let mut shrinker = Shrinker {
+                kind: &Vm,
+                count: session.requests().count(),
+                session: Rc::new(session),
+                finding: finding.clone(),
+                deadline: &Deadline::never(),
+                fails: &mut |session| needed(session).then(|| finding.clone()),
+                tries: 0,
+                cut_short: false,
+            };
+            shrinker.begin_late();
+            assert_eq!(shrinker.session.requests().next(), Some(&b"r 10 1"[..]), "{flushes}");
+        }
+    }
+}

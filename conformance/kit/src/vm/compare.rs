@@ -101,21 +101,48 @@ impl LineHistory {
         self.overwritten.clear();
     }
 
-    /// What the bytes from `host` on, which are `now`, were at each read since the line was invalidated, the last
-    /// read first.
-    fn before(&self, host: u32, now: &[u8]) -> impl Iterator<Item = Vec<u8>> {
+    /// What the bytes from `host` on, which are `now`, were at the reads since the line was invalidated, beside
+    /// `got`, of the same length.
+    ///
+    /// The time it takes is that of the reads and of the bytes written between them, whatever the length.
+    fn earlier(&self, host: u32, now: &[u8], got: &[u8]) -> Earlier {
         let (mut bytes, mut writes) = (now.to_vec(), self.overwritten.len());
-        self.reads.iter().rev().map(move |&read| {
+        // How many bytes are not those of `got`, and not those of `now`.
+        let mut not_got = bytes.iter().zip(got).filter(|(byte, got)| byte != got).count();
+        let mut not_now = 0;
+        let mut earlier = Earlier::Unchanged;
+        for &read in self.reads.iter().rev() {
             for (first, old) in self.overwritten[read..writes].iter().rev() {
-                for (addr, byte) in (u64::from(*first)..).zip(old) {
-                    let place = addr.checked_sub(host.into()).and_then(|place| bytes.get_mut(place as usize));
-                    place.into_iter().for_each(|place| *place = *byte);
+                for (addr, &old) in (u64::from(*first)..).zip(old) {
+                    let place = addr.checked_sub(host.into()).map(|place| place as usize);
+                    let Some(place) = place.filter(|place| *place < bytes.len()) else { continue };
+                    let before = std::mem::replace(&mut bytes[place], old);
+                    let (got, now) = (got[place], now[place]);
+                    not_got = not_got + usize::from(old != got) - usize::from(before != got);
+                    not_now = not_now + usize::from(old != now) - usize::from(before != now);
                 }
             }
             writes = read;
-            bytes.clone()
-        })
+            if not_got == 0 {
+                return Earlier::Same;
+            }
+            if not_now > 0 {
+                earlier = Earlier::Others;
+            }
+        }
+        earlier
     }
+}
+
+/// What bytes were at earlier reads, beside those of an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Earlier {
+    /// At one of them those of the answer.
+    Same,
+    /// At one of them others than now, and never those of the answer.
+    Others,
+    /// The same as now at each, or there was none.
+    Unchanged,
 }
 
 /// Compares answers word by word, and follows the history of each line.
@@ -225,18 +252,14 @@ impl WordComparison {
             return;
         }
         let line = self.config.geometry.line_of(HostAddr(host)).0;
-        let mut changed = false;
-        for before in self.lines.get(&line).iter().flat_map(|life| life.before(host, &now)) {
-            if before == got {
-                return;
+        let earlier = self.lines.get(&line).map_or(Earlier::Unchanged, |life| life.earlier(host, &now, &got));
+        let says = match earlier {
+            Earlier::Same => return,
+            Earlier::Others => {
+                "the bytes are neither the host's, nor those that it had at an earlier read since the line was \
+                 last invalidated"
             }
-            changed |= before != now;
-        }
-        let says = if changed {
-            "the bytes are neither the host's, nor those that it had at an earlier read since the line was \
-             last invalidated"
-        } else {
-            "the bytes are not the host's"
+            Earlier::Unchanged => "the bytes are not the host's",
         };
         found(Difference { level: Level::Data, says: says.to_owned(), requirement: "VM-9" });
     }
