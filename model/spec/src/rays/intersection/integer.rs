@@ -97,8 +97,9 @@ impl Mul for Integer {
 
     /// Modulo 2¹⁷²⁸, as two's complement is: right for every product that there is room for.
     fn mul(self, other: Self) -> Self {
+        let magnitude = if self.is_negative() { -self } else { self };
         let mut product = Self::ZERO;
-        for (low, &a) in self.0.iter().enumerate() {
+        for (low, &a) in magnitude.0.iter().enumerate().filter(|(_, a)| **a != 0) {
             let mut carry = 0;
             for (word, &b) in product.0[low..].iter_mut().zip(&other.0) {
                 let sum = u128::from(a) * u128::from(b) + u128::from(*word) + carry;
@@ -106,7 +107,7 @@ impl Mul for Integer {
                 carry = sum >> 64;
             }
         }
-        product
+        if self.is_negative() { -product } else { product }
     }
 }
 
