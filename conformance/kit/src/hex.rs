@@ -2,14 +2,15 @@
 
 const DIGITS: &[u8; 16] = b"0123456789abcdef";
 
-/// The number that 1 to 16 hex digits of either case stand for.
+/// The number that hex digits of either case stand for: at least one, and up to 16 behind leading zeros.
 #[inline]
 #[must_use]
 pub fn number(word: &[u8]) -> Option<u64> {
-    if word.is_empty() || word.len() > 16 {
+    let zeros = word.iter().take_while(|&&digit| digit == b'0').count();
+    if word.is_empty() || word.len() - zeros > 16 {
         return None;
     }
-    word.iter().try_fold(0, |number, &digit| Some(number << 4 | u64::from(value(digit)?)))
+    word[zeros..].iter().try_fold(0, |number, &digit| Some(number << 4 | u64::from(value(digit)?)))
 }
 
 /// Appends a number, without leading zeros.
@@ -69,7 +70,10 @@ mod tests {
             assert_eq!(String::from_utf8_lossy(&text), format!("{n:x}"));
             assert_eq!(number(&text), Some(n));
         }
-        assert_eq!(number(b"00Ff"), Some(0xff));
+        for zeros in [0, 1, 8, 24] {
+            assert_eq!(number(format!("{}Ff", "0".repeat(zeros)).as_bytes()), Some(0xff), "{zeros} zeros");
+            assert_eq!(number(format!("{}0", "0".repeat(zeros)).as_bytes()), Some(0), "{zeros} zeros");
+        }
         for text in ["", "g", "0x1", "-1", " 1", "11111111111111111"] {
             assert_eq!(number(text.as_bytes()), None, "{text}");
         }
