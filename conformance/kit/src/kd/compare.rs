@@ -1,5 +1,6 @@
 //! Compares the answers of `saarcor-kd` with the model's, and what differs with what is true.
 
+use super::admissible::{WrongRead, follow};
 use super::oracle::KdOracle;
 use super::request::{Answer, Observes, Request};
 use super::truth::{Truth, Violation};
@@ -35,7 +36,7 @@ impl KdComparison {
     ) -> Result<(), Error> {
         let got = Answer::parse(answer, query, self.observes)?;
         let right = Answer::parse(self.expected.answer(), query, self.observes)?;
-        let (scene, _) = self.expected.model.scene()?;
+        let (scene, memory) = self.expected.model.scene()?;
         let truth = Truth::new(scene, &ray);
         let checked = match query {
             Query::Closest => truth.check_closest(got.hit.as_ref()),
@@ -44,23 +45,15 @@ impl KdComparison {
         if let Err(Violation { requirement, says }) = checked {
             found(Difference { level: Level::Rays, says, requirement });
         }
-        if got.touched != right.touched {
-            found(Difference {
-                level: Level::Traversal,
-                says: first_difference(got.touched.as_deref(), right.touched.as_deref()),
-                requirement: "KD-3",
-            });
+        let read = got.touched.as_deref().filter(|_| got.touched != right.touched);
+        if let Some(Err(WrongRead { place, right })) = read.map(|read| follow(memory, scene, &ray, read)) {
+            let shown = |addr: Option<u32>| addr.map_or("nothing".to_owned(), |addr| format!("{addr:x}"));
+            let read = shown(read.and_then(|read| read.get(place).copied()));
+            let says = format!("read {} reads {read}; {} is right", place + 1, shown(right));
+            found(Difference { level: Level::Traversal, says, requirement: "KD-3" });
         }
         Ok(())
     }
-}
-
-/// Where two lists of addresses part.
-fn first_difference(got: Option<&[u32]>, right: Option<&[u32]>) -> String {
-    let (got, right) = (got.unwrap_or_default(), right.unwrap_or_default());
-    let place = got.iter().zip(right).take_while(|(got, right)| got == right).count();
-    let shown = |list: &[u32]| list.get(place).map_or("nothing".to_owned(), |addr| format!("{addr:x}"));
-    format!("read {} reads {}; {} is right", place + 1, shown(got), shown(right))
 }
 
 impl Comparison for KdComparison {

@@ -1,5 +1,6 @@
 //! `saarcor-kd`: the traversal and intersection units, for one ray at a time.
 
+mod admissible;
 mod compare;
 mod coverage;
 pub mod generated_scene;

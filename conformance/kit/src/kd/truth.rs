@@ -14,7 +14,7 @@ use saarcor_model::rays::{
 };
 use saarcor_oracles::bounded::Bounded;
 use saarcor_oracles::exact::rational::nearest_f64;
-use saarcor_oracles::exact::{closest, solve};
+use saarcor_oracles::exact::{Incidence, closest, judge, solve};
 
 /// Why an answer is wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -39,48 +39,38 @@ pub struct Truth {
 
 /// What is known of a ray and a triangle that it does not certainly miss.
 #[derive(Clone, Copy, Debug)]
-struct PossibleHit {
+pub(super) struct PossibleHit {
     addr: u32,
     corners: [Vec3; 3],
-    t: Bounded,
+    /// Its distance.
+    pub(super) t: Bounded,
     u: Bounded,
     v: Bounded,
     /// It is certainly hit.
-    hit: bool,
+    pub(super) hit: bool,
 }
 
 impl Truth {
     /// Of a ray in a scene.
     #[must_use]
     pub fn new(scene: &LegalScene, ray: &Ray) -> Self {
-        match scene.registers.kernel {
-            Kernel::Adaptive => Self::exactly(scene, ray),
-            Kernel::Plucker => Self::bounded::<PluckerTriangle<Bounded>>(scene, ray),
-            Kernel::Watertight => Self::bounded::<WatertightTriangle<Bounded>>(scene, ray),
-            Kernel::MollerTrumbore | Kernel::Wald => Self::bounded::<EdgeTriangle<Bounded>>(scene, ray),
-        }
-    }
-
-    fn bounded<T: TriangleTest<Bounded>>(scene: &LegalScene, ray: &Ray) -> Self {
-        let of_ray = T::ray(ray.origin.to_array(), ray.direction.to_array());
         let triangles = scene.addresses.iter().zip(&scene.corners);
-        let known = triangles.filter_map(|(&addr, corners)| {
-            PossibleHit::new(addr, corners, T::new(corners).intersect(&of_ray), ray)
-        });
-        Self { candidates: known.collect() }
-    }
-
-    /// The first triangles alone: of those at the same distance the one at the lowest address.
-    fn exactly(scene: &LegalScene, ray: &Ray) -> Self {
-        let numbered = (0..).zip(scene.corners.iter().copied());
-        let first = closest(ray, numbered).and_then(|closest| closest.triangles.first().copied());
-        let known = first.and_then(|(place, _)| {
-            let corners = scene.corners[place as usize];
-            let point = solve(ray, &corners)?;
-            let [t, u, v] = [point.t, point.u, point.v].map(|number| <Bounded>::nearly(nearest_f64(&number)));
-            Some(PossibleHit { addr: scene.addresses[place as usize], corners, t, u, v, hit: true })
-        });
-        Self { candidates: known.into_iter().collect() }
+        let candidates = match scene.registers.kernel {
+            // The first triangles alone: of those at the same distance the one at the lowest address.
+            Kernel::Adaptive => {
+                let numbered = (0..).zip(scene.corners.iter().copied());
+                let first = closest(ray, numbered).and_then(|closest| closest.triangles.first().copied());
+                let triangles = first.into_iter().map(|(place, _)| place as usize);
+                let known =
+                    |place: usize| PossibleHit::exact(scene.addresses[place], &scene.corners[place], ray);
+                triangles.filter_map(known).collect()
+            }
+            kernel => {
+                let known = |(&addr, corners)| PossibleHit::new(kernel, addr, corners, ray);
+                triangles.filter_map(known).collect()
+            }
+        };
+        Self { candidates }
     }
 
     /// What is wrong with an answer to what is hit first.
@@ -139,9 +129,30 @@ impl Truth {
 }
 
 impl PossibleHit {
-    /// Of a triangle by what its test gives; none where it is certainly missed (IS-1, IS-2).
-    fn new(addr: u32, corners: &[Vec3; 3], found: Candidate<Bounded>, ray: &Ray) -> Option<Self> {
-        let Candidate { t, u, v, .. } = found;
+    /// Of a ray and a triangle by a test; none where it certainly misses the triangle.
+    pub(super) fn new(kernel: Kernel, addr: u32, corners: &[Vec3; 3], ray: &Ray) -> Option<Self> {
+        match kernel {
+            Kernel::Adaptive if judge(ray, corners) == Incidence::Miss => None,
+            Kernel::Adaptive => Self::exact(addr, corners, ray),
+            Kernel::Plucker => Self::bounded::<PluckerTriangle<Bounded>>(addr, corners, ray),
+            Kernel::Watertight => Self::bounded::<WatertightTriangle<Bounded>>(addr, corners, ray),
+            Kernel::MollerTrumbore | Kernel::Wald => {
+                Self::bounded::<EdgeTriangle<Bounded>>(addr, corners, ray)
+            }
+        }
+    }
+
+    /// Of a triangle that the ray hits, in exact numbers.
+    fn exact(addr: u32, corners: &[Vec3; 3], ray: &Ray) -> Option<Self> {
+        let point = solve(ray, corners)?;
+        let [t, u, v] = [point.t, point.u, point.v].map(|number| <Bounded>::nearly(nearest_f64(&number)));
+        Some(Self { addr, corners: *corners, t, u, v, hit: true })
+    }
+
+    /// By what the test gives (IS-1, IS-2).
+    fn bounded<T: TriangleTest<Bounded>>(addr: u32, corners: &[Vec3; 3], ray: &Ray) -> Option<Self> {
+        let of_ray = T::ray(ray.origin.to_array(), ray.direction.to_array());
+        let Candidate { t, u, v, .. } = T::new(corners).intersect(&of_ray);
         if t.is_undefined() {
             return None;
         }

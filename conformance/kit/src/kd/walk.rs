@@ -14,7 +14,7 @@ use saarcor_model::vm::{HostAddr, Memory, Observed, Observer, Unit, WholeScene};
 
 /// Notes what is read, in order.
 #[derive(Default)]
-struct Reads(Vec<(Unit, u32)>);
+pub(super) struct Reads(pub(super) Vec<(Unit, u32)>);
 
 impl Observer for Reads {
     fn read(&mut self, unit: Unit, addr: HostAddr, _bytes: usize) {
@@ -75,7 +75,7 @@ pub enum Step {
 }
 
 /// A node to visit, and the part of the ray in its cell.
-type Visit = (HostAddr, (f32, f32));
+pub(super) type Visit = (HostAddr, (f32, f32));
 
 /// The steps of a ray that asks for the closest hit, until its end.
 #[must_use]
@@ -98,16 +98,18 @@ pub fn steps(memory: &[u8], scene: &LegalScene, ray: &Ray) -> Vec<Step> {
             match NodeRecord::decode(memory.fetch(Unit::Traversal, addr)) {
                 NodeRecord::Leaf { list, count } => break (list, count),
                 NodeRecord::Inner { axis, split, below } => {
-                    let reciprocal = reciprocals[axis as usize];
-                    let distances = widen((split - ray.origin[axis as usize]) * reciprocal);
-                    let parts = visit(enter, leave, distances, is_downwards(reciprocal));
-                    let met = parts.map(|(enter, leave)| enter <= leave);
-                    let visited = Children::met(met[0], met[1], || is_downwards(reciprocal));
-                    let children = [below, below.offset(NODE_BYTES)];
-                    let above = stack.descend(visited, &(children[0], parts[0]), &(children[1], parts[1]));
-                    let (put_off, interval) = (stack.len, (enter, leave));
-                    steps.push(Step::Inner { addr: addr.0, axis, split, interval, visited, put_off });
-                    (addr, (enter, leave)) = (children[usize::from(above)], parts[usize::from(above)]);
+                    let interval = (enter, leave);
+                    let (visited, below, above) = children(ray, &reciprocals, (axis, split, below), interval);
+                    let next = if stack.descend(visited, &below, &above) { above } else { below };
+                    steps.push(Step::Inner {
+                        addr: addr.0,
+                        axis,
+                        split,
+                        interval,
+                        visited,
+                        put_off: stack.len,
+                    });
+                    (addr, (enter, leave)) = next;
                 }
             }
         };
@@ -139,8 +141,24 @@ pub fn reciprocals(scene: &LegalScene, ray: &Ray) -> [f32; 3] {
     })
 }
 
+/// The children of an inner node, with the parts of the ray in their cells: which are visited, the one below the plane and
+/// the one above.
+pub(super) fn children(
+    ray: &Ray,
+    reciprocals: &[f32; 3],
+    (axis, split, child): (Axis, f32, HostAddr),
+    (enter, leave): (f32, f32),
+) -> (Children, Visit, Visit) {
+    let reciprocal = reciprocals[axis as usize];
+    let distances = widen((split - ray.origin[axis as usize]) * reciprocal);
+    let [below, above] = visit(enter, leave, distances, is_downwards(reciprocal));
+    let met = [below, above].map(|(enter, leave)| enter <= leave);
+    let visited = Children::met(met[0], met[1], || is_downwards(reciprocal));
+    (visited, (child, below), (child.offset(NODE_BYTES), above))
+}
+
 /// The part of a ray in the box around the scene.
-fn in_bounds(scene: &LegalScene, ray: &Ray, reciprocals: &[f32; 3]) -> (f32, f32) {
+pub(super) fn in_bounds(scene: &LegalScene, ray: &Ray, reciprocals: &[f32; 3]) -> (f32, f32) {
     let bounds = &scene.registers.bounds;
     let (mut enter, mut leave) = (ray.t_min, ray.t_max);
     for (axis, &reciprocal) in reciprocals.iter().enumerate() {
