@@ -14,7 +14,8 @@ use saarcor_model::host::{Material, Scene, TexelFormat, Texture};
 
 use crate::csv::{CAMERA_CSV, LIGHTS_CSV, format_cameras, format_lights, parse_cameras, parse_lights};
 use crate::error::SceneError;
-use crate::obj::materials::{Library, material};
+use crate::obj::materials::Library;
+use crate::warning::Warnings;
 
 /// Writes `FILE.obj` (`path`), and beside it `FILE.mtl`, the images as `FILE-0.png` and so on,
 /// `camera.csv` and `lights.csv`; files of these names are replaced. So a folder holds one scene.
@@ -212,14 +213,17 @@ fn check_numbers(scene: &Scene, mtl: &str) -> Result<(), String> {
     }
     parse_lights(Path::new(LIGHTS_CSV), &format_lights(&scene.lights)).map_err(one_line)?;
 
-    let library = Library::parse(Path::new("its MTL"), mtl.to_owned()).map_err(one_line)?;
-    for (index, (source, written)) in library.materials.iter().zip(&scene.materials).enumerate() {
-        let read = material(source);
-        if (read.reflection, read.refraction) != (written.reflection, written.refraction) {
+    let mut strict = Warnings::new(true);
+    let library = Library::parse(Path::new("its MTL"), mtl.to_owned(), &mut strict).map_err(one_line)?;
+    for (index, written) in scene.materials.iter().enumerate() {
+        let read = library.material(index, &mut strict).map_err(one_line)?.material;
+        let Material { texture, bump, bump_height, .. } = *written;
+        if (Material { texture, bump, bump_height, ..read }) != *written {
             return Err(format!(
-                "material {index}: reflection is {} and refraction {}; an MTL file can state a \
-                 reflection that is 0 or the mean of specular, and a refraction from 0 to 1",
-                written.reflection, written.refraction
+                "material {index}: reflection is {}, refraction {} and shininess {}; an MTL file can state a \
+                 reflection that is 0 or the mean of specular, a refraction from 0 to 1 that is with it at \
+                 most 1, and a shininess that is 0 only without highlights",
+                written.reflection, written.refraction, written.shininess
             ));
         }
     }
@@ -242,7 +246,7 @@ fn format_materials(scene: &Scene, used: &[bool], image: impl Fn(u32) -> String)
         };
         line(format!("newmtl {}", material_name(index)));
         line(format!("Kd {}", colour(material.diffuse)));
-        line(format!("Ks {}", colour(material.specular)));
+        line(format!("Ks {}", colour(stated_specular(material))));
         line(format!("Ns {}", material.shininess));
         line(format!("Ni {}", material.index_of_refraction));
         line(format!("Tr {}", material.refraction));
@@ -257,6 +261,15 @@ fn format_materials(scene: &Scene, used: &[bool], image: impl Fn(u32) -> String)
         }
     }
     text
+}
+
+/// The `Ks` of which the loader makes the same material: a mirror without highlights has an exponent of
+/// 0, and reflects the mean of this colour.
+fn stated_specular(material: &Material) -> Vec3 {
+    match material.shininess == 0.0 && material.specular == Vec3::ZERO {
+        true => Vec3::splat(material.reflection),
+        false => material.specular,
+    }
 }
 
 /// The name of the material of this index.

@@ -15,7 +15,7 @@
 //! ```
 //!
 //! Wrong input never panics: each error of a file is a [`SceneError`], one line that says what is
-//! wrong, where, and what would be right.
+//! wrong, where, and what would be right. What others read nonetheless is read, with a [`Warning`].
 
 pub mod builtin;
 mod csv;
@@ -25,10 +25,12 @@ pub mod kdbuild;
 mod obj;
 mod overview;
 mod text;
+mod warning;
 
 pub use csv::{read_cameras, read_lights};
 pub use error::SceneError;
 pub use export::export_obj;
-pub use obj::{load_obj, load_obj_and_files};
+pub use obj::{LoadOptions, Loaded, load_obj};
 pub use overview::overview;
 pub use saarcor_random::Random;
+pub use warning::Warning;

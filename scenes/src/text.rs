@@ -48,15 +48,19 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, TextError> {
 /// When the file cannot be read or is not UTF-8; the latter with the line.
 pub(crate) fn read_text(path: &Path) -> Result<String, SceneError> {
     let bytes = read_bytes(path).map_err(|reason| SceneError::in_file(path, reason.to_string()))?;
-    let mut text = String::from_utf8(bytes).map_err(|error| {
+    String::from_utf8(bytes).map(without_mark).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
         SceneError::at_line(path, line, "is not UTF-8: save the file as UTF-8 text")
-    })?;
+    })
+}
+
+/// The text without its byte order mark.
+pub(crate) fn without_mark(mut text: String) -> String {
     if text.starts_with('\u{feff}') {
         text.drain(..'\u{feff}'.len_utf8());
     }
-    Ok(text)
+    text
 }
 
 /// Splits a line of an OBJ or MTL file into its keyword and what follows, both without the space

@@ -113,9 +113,12 @@ pub struct SceneArgs {
     /// Takes only the first N lights
     #[arg(long, value_name = "N")]
     lights: Option<usize>,
-    /// Leaves textures and bump maps away
+    /// Leaves textures and bump maps away, and reads no image
     #[arg(long)]
     no_textures: bool,
+    /// Refuses scene files that are not as their formats say, instead of a warning
+    #[arg(long)]
+    strict: bool,
     /// Reads textures and bump maps at full resolution, however far away
     #[arg(long)]
     no_mip_maps: bool,
@@ -135,6 +138,7 @@ impl SceneArgs {
             scene: self.scene.clone(),
             lights: self.lights,
             no_textures: self.no_textures,
+            strict: self.strict,
             no_mip_maps: self.no_mip_maps,
             tree: BuildOptions { rule: self.tree, ..BuildOptions::default() },
             kernel: self.kernel.unwrap_or_default(),

@@ -36,7 +36,7 @@ const STACK_BYTES: usize = 64 << 20;
 #[derive(Debug, Parser)]
 #[command(name = "saarcor", version, after_help = EXIT_STATUSES, max_term_width = 100)]
 struct Cli {
-    /// Says nothing on stderr but errors.
+    /// Says nothing on stderr but warnings and errors.
     #[arg(short, long, global = true)]
     quiet: bool,
     /// Threads to work with; the results do not depend on it [default: one a core]

@@ -63,6 +63,11 @@ impl Monitor for Progress {
             Form::Bars => Box::new(Bar::begin(name)),
         }
     }
+
+    /// Said to the quiet as well: what is printed rests on it.
+    fn warn(&self, line: &str) {
+        let _ = writeln!(io::stderr(), "saarcor: warning: {line}");
+    }
 }
 
 /// A stage in a log: lines.

@@ -151,9 +151,18 @@ fn broken_textures() {
     let copy = RoomCopy::new();
     copy.replace("room.mtl", "Kd 0.8 0.8 0.7", "Kd 1 1 1\nmap_Kd wall.png");
     copy.replace("room.obj", "f 2 4 3 1", "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 2/1 4/2 3/3 1/4");
-    refuses_scene(&copy.scene(), &["wall.png"]);
+    refuses(&["walk", &copy.scene(), "--strict"], &["room.mtl", "wall.png", "no such file"]);
     std::fs::write(copy.file("wall.png"), "no picture").expect("written");
     refuses_scene(&copy.scene(), &["wall.png"]);
+}
+
+#[test]
+fn files_of_other_formats() {
+    let copy = RoomCopy::new();
+    for (content, format) in [("ply\nformat ascii 1.0\n", "PLY"), ("solid a\nfacet normal 0 0 1\n", "STL")] {
+        std::fs::write(copy.file("room.obj"), content).expect("written");
+        refuses_scene(&copy.scene(), &["room.obj", "is no OBJ file", format]);
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{room_arg, stdout_of};
+use common::{RoomCopy, refusal_of, room_arg, run, stdout_of};
 use saarcor_paper::tables as paper;
 use serde_json::Value;
 
@@ -46,4 +46,26 @@ fn what_is_exported_walks_alike() {
     assert_eq!(stdout_of(&["scenes", "export", "pquake3-nt", "--out", file]), "");
     let walk = |scene| stdout_of(&["walk", scene, "--frames", "9..10", "--resolution", "64x48", "--json"]);
     assert_eq!(walk(file), walk("pquake3-nt"));
+}
+
+/// Also where the run is quiet; `--strict` refuses the file.
+#[test]
+fn what_is_assumed_is_said() {
+    let copy = RoomCopy::new();
+    let obj = std::fs::read_to_string(copy.file("room.obj")).expect("text");
+    let (line, usemtl) =
+        (1..).zip(obj.lines()).find(|(_, line)| line.starts_with("usemtl")).expect("a material");
+    copy.replace("room.obj", usemtl, "usemtl nobody");
+    let scene = copy.scene();
+    for verb in [&["scenes", "show"][..], &["walk", "--resolution", "16x12"]] {
+        let args = [verb, &[&scene]].concat();
+        let output = run(&args);
+        assert_eq!(output.status.code(), Some(0));
+        let stderr = String::from_utf8(output.stderr).expect("text");
+        let fault = format!("{scene}:{line}: usemtl: material \"nobody\" is not defined");
+        assert!(stderr.starts_with(&format!("saarcor: warning: {fault}")), "{stderr}");
+        assert!(stderr.ends_with("; the default material is taken\n"), "{stderr}");
+        let refusal = refusal_of(&[&args[..], &["--strict"]].concat());
+        assert!(refusal.starts_with(&format!("saarcor: {fault}")), "{refusal}");
+    }
 }

@@ -4,6 +4,9 @@
 pub trait Monitor: Sync {
     /// A stage of this name begins. It ends when the returned value is dropped.
     fn begin<'a>(&'a self, name: &str) -> Box<dyn Stage + 'a>;
+
+    /// Something was assumed that the user has to know: a line.
+    fn warn(&self, line: &str);
 }
 
 /// A stage of work.
@@ -28,6 +31,8 @@ impl Monitor for Silent {
     fn begin<'a>(&'a self, _: &str) -> Box<dyn Stage + 'a> {
         Box::new(Self)
     }
+
+    fn warn(&self, _: &str) {}
 }
 
 impl Stage for Silent {

@@ -184,7 +184,7 @@ fn real_scenes() {
     let folder = PathBuf::from(std::env::var_os("SAARCOR_SCENES").expect("SAARCOR_SCENES names a folder"));
     for name in ["oa_dm3", "conference", "conference_raw", "office", "sponza"] {
         let path = folder.join(name).join(name).with_extension("obj");
-        let scene = saarcor_scenes::load_obj(&path).expect("scene");
-        agrees(name, &scene, Kernel::MollerTrumbore, SplitRule::SurfaceArea, RAYS);
+        let loaded = saarcor_scenes::load_obj(&path, Default::default()).expect("scene");
+        agrees(name, &loaded.scene, Kernel::MollerTrumbore, SplitRule::SurfaceArea, RAYS);
     }
 }

@@ -196,8 +196,8 @@ fn no_hit_is_lost_in_very_small_and_large_scenes() {
 fn real_scenes_lose_no_hit() {
     let folder = PathBuf::from(std::env::var_os("SAARCOR_SCENES").expect("SAARCOR_SCENES names a folder"));
     for name in ["oa_dm3", "conference", "conference_raw", "office", "sponza"] {
-        let scene =
-            saarcor_scenes::load_obj(&folder.join(name).join(name).with_extension("obj")).expect("scene");
-        assert!(loses_nothing(name, &scene, SplitRule::SurfaceArea, 1_000) > 500);
+        let path = folder.join(name).join(name).with_extension("obj");
+        let loaded = saarcor_scenes::load_obj(&path, Default::default()).expect("scene");
+        assert!(loses_nothing(name, &loaded.scene, SplitRule::SurfaceArea, 1_000) > 500);
     }
 }

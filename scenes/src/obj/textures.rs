@@ -1,30 +1,37 @@
-//! Texture textures and bump maps: which files the materials name, and their texels.
+//! Image textures and bump maps: which files the materials name, and their texels.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-use image::ImageReader;
+use image::{ImageFormat, ImageReader};
 use rayon::prelude::*;
 use saarcor_model::host::{Material, TexelFormat, Texture};
 
+use super::map_options::{Statement, without_options};
+use super::materials::{Map, Stated};
+use super::names::Finder;
 use crate::error::SceneError;
-use crate::obj::materials::Library;
-use crate::text::{finite, quoted, read_bytes};
+use crate::text::{quoted, read_bytes};
+use crate::warning::Warnings;
 
-/// The statements that name an image texture.
-const TEXTURE_KEYWORDS: [&str; 1] = ["map_Kd"];
-/// The statements that name a bump map.
-const BUMP_KEYWORDS: [&str; 3] = ["map_Bump", "map_bump", "bump"];
+/// Endings of the names of images of other formats than PNG and JPEG. Some have no mark in their content.
+const OTHER_FORMATS: [&str; 21] = [
+    "tga", "bmp", "dds", "tif", "tiff", "gif", "webp", "psd", "exr", "hdr", "ktx", "ktx2", "basis", "pcx",
+    "ppm", "pgm", "pnm", "iff", "rgb", "sgi", "svg",
+];
 
 /// The images that materials name, each once, and who named it first.
 #[derive(Default)]
 pub(crate) struct Textures<'a> {
     /// Sorted by path, so that the order of the images is that of their names.
-    files: BTreeMap<(PathBuf, Texels), Request<'a>>,
-    /// The materials that need their images' indices: material, and key of `files`.
-    users: Vec<(usize, (PathBuf, Texels))>,
+    files: BTreeMap<Key, Request<'a>>,
+    /// The materials that need their images' indices: material, key of `files`, and the bump map's height.
+    users: Vec<(usize, Key, f32)>,
 }
+
+/// An image file, and what it is read as.
+type Key = (PathBuf, Texels);
 
 /// What an image file is read as.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -33,132 +40,185 @@ enum Texels {
     Heights,
 }
 
-/// The statement of an MTL file that names an image.
+/// The statement that names an image first.
 struct Request<'a> {
-    library: &'a Library,
-    keywords: &'static [&'static str],
-    rest: &'a str,
+    map: Map<'a>,
+    /// It names a channel, which is the image itself if that is grey.
+    has_channel: bool,
+}
+
+/// An image of a kind that is read, or the kind that it is instead.
+enum Decoded {
+    Image { image: Texture, grey: bool },
+    OtherFormat,
 }
 
 impl<'a> Textures<'a> {
-    /// Notes the images of `source`, a material of `library` and the scene's material number
-    /// `index`, and sets the bump map's height in `material`.
+    /// Notes the images of the scene's material number `index`.
     ///
     /// # Errors
-    ///
-    /// When a statement has options other than `-bm`.
+    /// Faults, where they are to be errors.
     pub(crate) fn request(
         &mut self,
-        library: &'a Library,
-        source: &'a tobj::Material,
+        stated: &Stated<'a>,
         index: usize,
-        material: &mut Material,
+        finder: &mut Finder,
+        warnings: &mut Warnings,
     ) -> Result<(), SceneError> {
-        if let Some(rest) = &source.diffuse_texture {
-            let request = Request { library, keywords: &TEXTURE_KEYWORDS, rest };
-            let (_, name) = request.parse()?;
-            self.insert(index, library.texture_path(name), Texels::Colours, request);
-        }
-        if let Some(rest) = &source.normal_texture {
-            let request = Request { library, keywords: &BUMP_KEYWORDS, rest };
-            let (height, name) = request.parse()?;
-            material.bump_height = height;
-            self.insert(index, library.texture_path(name), Texels::Heights, request);
+        let maps = [(stated.texture, Texels::Colours), (stated.bump, Texels::Heights)];
+        for (map, texels) in maps.into_iter().filter_map(|(map, texels)| Some((map?, texels))) {
+            let folder = map.library.folder();
+            let mut statement = Statement::read(map.rest);
+            // An option behind the name may be a part of it.
+            let whole = Statement { name: without_options(map.rest), behind: "", ..statement };
+            if whole != statement && finder.find(folder, whole.name).is_some_and(|found| found.exact) {
+                statement = whole;
+            }
+            let options = statement.options(&map, warnings)?;
+            let Some(found) = finder.find(folder, statement.name) else {
+                let path = folder.join(statement.name.replace('\\', "/"));
+                warnings.note("the surfaces have no image there", || {
+                    map.error(format_args!("image \"{}\" no such file", path.display()))
+                })?;
+                continue;
+            };
+            if !found.exact {
+                warnings.note("the file of a similar name is taken", || {
+                    let (name, found) = (quoted(statement.name), found.path.display());
+                    map.error(format_args!("there is no image {name}: there is \"{found}\""))
+                })?;
+            }
+            let key = (found.path, texels);
+            self.users.push((index, key.clone(), options.height));
+            self.files.entry(key).or_insert(Request { map, has_channel: options.has_channel });
         }
         Ok(())
-    }
-
-    fn insert(&mut self, user: usize, path: PathBuf, texels: Texels, request: Request<'a>) {
-        let key = (path, texels);
-        self.users.push((user, key.clone()));
-        self.files.entry(key).or_insert(request);
-    }
-
-    /// The images' files.
-    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
-        self.files.keys().map(|(path, _)| path.as_path())
     }
 
     /// Decodes the images, on all cores, and writes their indices into `materials`.
     ///
     /// # Errors
-    ///
-    /// For the first image, in the order of the paths, that is missing or broken.
-    pub(crate) fn load(self, materials: &mut [Material]) -> Result<Vec<Texture>, SceneError> {
-        let keys: Vec<_> = self.files.keys().collect();
-        for (material, key) in &self.users {
-            let image = keys.binary_search(&key).ok().map(|index| index as u32);
-            match key.1 {
-                Texels::Colours => materials[*material].texture = image,
-                Texels::Heights => materials[*material].bump = image,
-            }
-        }
+    /// For the first image, in the order of the paths, that is broken.
+    pub(crate) fn load(
+        self,
+        materials: &mut [Material],
+        warnings: &mut Warnings,
+    ) -> Result<Vec<Texture>, SceneError> {
         let files: Vec<_> = self.files.into_iter().collect();
-        let images: Vec<_> = files
+        let decoded: Vec<_> = files
             .par_iter()
-            .map(|((path, texels), request)| {
-                decode(path, *texels).map_err(|reason| {
-                    let file = path.display();
-                    request.error(format!("image \"{file}\" {reason}"))
-                })
+            .map(|((path, texels), Request { map, .. })| {
+                decode(path, *texels)
+                    .map_err(|reason| map.error(format_args!("image \"{}\" {reason}", path.display())))
             })
             .collect();
         // Results are gathered here, in order, so that the error is the same for any number of cores.
-        images.into_iter().collect()
-    }
-}
-
-impl<'a> Request<'a> {
-    /// The bump height and the file name.
-    fn parse(&self) -> Result<(f32, &'a str), SceneError> {
-        split_options(self.rest).map_err(|reason| self.error(reason))
-    }
-
-    fn error(&self, reason: String) -> SceneError {
-        let message = format!("{}: {reason}", self.keywords[0]);
-        self.library.error_at(self.keywords, self.rest, message)
-    }
-}
-
-/// Splits what follows a `map` statement into the height of `-bm`, 1 where it is not stated, and
-/// the file name, which may hold spaces.
-fn split_options(rest: &str) -> Result<(f32, &str), String> {
-    let Some((option, after)) = rest.split_once(char::is_whitespace) else {
-        return Ok((1.0, rest));
-    };
-    match option {
-        "-bm" => {
-            let (height, name) = after
-                .trim_start()
-                .split_once(char::is_whitespace)
-                .ok_or("-bm: a height and a file name are needed")?;
-            let height = finite(height).map_err(|reason| format!("-bm: {reason}"))?;
-            Ok((height, name.trim_start()))
+        let mut images = Vec::new();
+        let mut index_of = BTreeMap::new();
+        for ((key, Request { map, has_channel }), decoded) in files.into_iter().zip(decoded) {
+            let path = key.0.display().to_string();
+            match decoded? {
+                Decoded::Image { image, grey } => {
+                    if has_channel && !grey {
+                        warnings.note("the whole colour is taken, or its brightness", || {
+                            map.error(format_args!("-imfchan: image \"{path}\" has several channels"))
+                        })?;
+                    }
+                    index_of.insert(key, images.len() as u32);
+                    images.push(image);
+                }
+                Decoded::OtherFormat => warnings.note("images of other formats are left out", || {
+                    map.error(format_args!("image \"{path}\" is neither PNG nor JPEG"))
+                })?,
+            }
         }
-        _ if option.starts_with('-') => Err(format!(
-            "option {} is not supported: only -bm is; apply it to the image or to vt",
-            quoted(option)
-        )),
-        _ => Ok((1.0, rest)),
+        for (material, key, height) in &self.users {
+            let Some(&index) = index_of.get(key) else { continue };
+            let material = &mut materials[*material];
+            match key.1 {
+                Texels::Colours => material.texture = Some(index),
+                Texels::Heights => (material.bump, material.bump_height) = (Some(index), *height),
+            }
+        }
+        Ok(images)
     }
 }
 
 /// Reads an image; its content says of which kind it is.
-fn decode(path: &Path, texels: Texels) -> Result<Texture, String> {
+fn decode(path: &Path, texels: Texels) -> Result<Decoded, String> {
     let bytes = read_bytes(path).map_err(|error| error.to_string())?;
-    let broken = |error: &dyn std::fmt::Display| {
-        let reason = error.to_string().replace('\n', " ");
+    let broken = |reason: &dyn std::fmt::Display| {
+        let reason = reason.to_string().replace('\n', " ");
         format!("cannot be decoded ({reason}): a whole PNG or JPEG file is needed")
     };
+    let format = image::guess_format(&bytes).ok();
+    let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
+    match format {
+        Some(ImageFormat::Png) => {}
+        // The decoder fills in what is missing.
+        Some(ImageFormat::Jpeg) if !has_jpeg_end(&bytes) => return Err(broken(&"its end is missing")),
+        Some(ImageFormat::Jpeg) => {}
+        Some(_) => return Ok(Decoded::OtherFormat),
+        None if OTHER_FORMATS.iter().any(|other| ending.as_deref() == Some(other.as_ref())) => {
+            return Ok(Decoded::OtherFormat);
+        }
+        None => {}
+    }
     let decoded = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
         .map_err(|error| broken(&error))?
         .decode()
         .map_err(|error| broken(&error))?;
     let (width, height) = (decoded.width(), decoded.height());
+    let grey = !decoded.color().has_color();
     let (format, texels) = match texels {
         Texels::Colours => (TexelFormat::Rgba8, decoded.into_rgba8().into_raw()),
         Texels::Heights => (TexelFormat::Height8, decoded.into_luma8().into_raw()),
     };
-    Ok(Texture { width, height, format, texels })
+    Ok(Decoded::Image { image: Texture { width, height, format, texels }, grey })
+}
+
+/// Whether a JPEG file has its last marker, EOI, behind the segments and scans before it (ITU-T T.81,
+/// annex B).
+fn has_jpeg_end(bytes: &[u8]) -> bool {
+    let mut at = 2;
+    while let [mark, code, ..] = bytes[at.min(bytes.len())..] {
+        match (mark, code) {
+            (0xff, 0xd9) => return true,
+            // Fill bytes, stuffed bytes and restarts.
+            (0xff, 0xff) => at += 1,
+            (0xff, 0x00 | 0x01 | 0xd0..=0xd7) => at += 2,
+            (0xff, _) => {
+                let Some(length) = bytes.get(at + 2..at + 4) else { return false };
+                at += 2 + usize::from(u16::from_be_bytes([length[0], length[1]]));
+            }
+            // Data of a scan, or bytes between segments, over which the decoder reads.
+            _ => at += 1,
+        }
+    }
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_jpeg_has_its_end_or_not() {
+        let pixels: Vec<u8> = (0..64 * 64 * 3).map(|i: u32| (i * i / 7) as u8).collect();
+        let mut bytes = Cursor::new(Vec::new());
+        image::write_buffer_with_format(
+            &mut bytes,
+            &pixels,
+            64,
+            64,
+            image::ExtendedColorType::Rgb8,
+            ImageFormat::Jpeg,
+        )
+        .expect("an image");
+        let whole = bytes.into_inner();
+        assert!(has_jpeg_end(&whole));
+        assert!(has_jpeg_end(&[&whole[..], b"more"].concat()));
+        assert!((0..whole.len()).all(|length| !has_jpeg_end(&whole[..length])));
+    }
 }

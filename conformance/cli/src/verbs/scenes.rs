@@ -166,5 +166,5 @@ impl ExportArgs {
 
 /// The scene of this name, without a kd-tree.
 fn generated(name: &str, progress: &Progress) -> Result<Scene> {
-    progress.during(&format!("{name}: scene"), |_| Ok(open_scene(&WorldOptions::new(name))?))
+    progress.during(&format!("{name}: scene"), |_| Ok(open_scene(&WorldOptions::new(name), progress)?))
 }

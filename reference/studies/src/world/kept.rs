@@ -202,7 +202,8 @@ impl Fields<'_> {
     /// All but the image's bytes, and what was asked for: the name and the kernel. Named one by one, so
     /// that none is forgotten.
     fn all(&mut self, world: &mut World, sources: &mut Vec<Source>) -> Option<()> {
-        let World { name: _, path, features, triangles, degenerate, image, tree, seconds: _ } = world;
+        let World { name: _, path, features, triangles, degenerate, image, tree, warnings, seconds: _ } =
+            world;
         let HostImage { bytes: _, registers, region_bytes, mip_map_bytes, triangle_ids } = image;
         let Registers { root, bounds, kernel: _, triangles: first, shading, features: needs, lights } =
             registers;
@@ -221,15 +222,16 @@ impl Fields<'_> {
             fields.vector(position)?;
             fields.float(intensity)
         })?;
+        self.list(warnings, String::new(), Self::text)?;
         self.features(needs)?;
         *features = *needs;
         Some(())
     }
 
     fn source(&mut self, Source { path, checksum }: &mut Source) -> Option<()> {
-        let mut text = path.to_str()?.as_bytes().to_vec();
-        self.list(&mut text, 0, Self::number)?;
-        *path = String::from_utf8(text).ok()?.into();
+        let mut text = path.to_str()?.to_owned();
+        self.text(&mut text)?;
+        *path = text.into();
         let mut sum: Vec<u128> = checksum.iter().copied().collect();
         self.list(&mut sum, 0, |fields, sum| {
             let mut bytes = sum.to_le_bytes();
@@ -238,6 +240,13 @@ impl Fields<'_> {
             Some(())
         })?;
         *checksum = sum.first().copied();
+        Some(())
+    }
+
+    fn text(&mut self, text: &mut String) -> Option<()> {
+        let mut bytes = std::mem::take(text).into_bytes();
+        self.list(&mut bytes, 0, Self::number)?;
+        *text = String::from_utf8(bytes).ok()?;
         Some(())
     }
 
@@ -322,6 +331,9 @@ mod tests {
         let file = folder.join("scene.obj");
         let scene = Scene { triangles, materials, textures, lights, path, tex_coords, normals, mip_maps };
         export_obj(&scene, &file).expect("written");
+        // What is kept says its warnings again.
+        let mut obj = File::options().append(true).open(&file).expect("the scene");
+        writeln!(obj, "unknown").expect("written");
         file
     }
 
@@ -334,6 +346,7 @@ mod tests {
     fn open(options: &WorldOptions) -> (Vec<u8>, bool) {
         let found = options.kept.as_ref().and_then(|kept| kept.find(options));
         let world = World::open(options, &Silent).expect("a scene");
+        assert_eq!(world.warnings.len(), 1);
         assert_eq!((&world.name, world.image.registers.kernel), (&options.scene, options.kernel));
         let bytes = |world| encode(world, Vec::new()).expect("text");
         assert!(found.iter().all(|found| bytes(found) == bytes(&world)));

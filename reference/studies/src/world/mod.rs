@@ -9,7 +9,7 @@ use crate::names::nearest;
 use kept::KeptWorlds;
 use saarcor_model::host::{Camera, Features, HostImage, KdTree, Kernel, LayoutError, Node, Scene};
 use saarcor_scenes::kdbuild::{self, BuildOptions};
-use saarcor_scenes::{builtin, load_obj_and_files};
+use saarcor_scenes::{LoadOptions, Loaded, builtin, load_obj};
 use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime};
 
@@ -22,6 +22,9 @@ pub struct WorldOptions {
     pub lights: Option<usize>,
     /// Leave textures and bump maps away, as the paper does where a scene's name ends in `nt`.
     pub no_textures: bool,
+    /// Refuse an OBJ file and what it names where they are not as their formats say, instead of a
+    /// warning.
+    pub strict: bool,
     /// Store textures and bump maps at full resolution alone.
     pub no_mip_maps: bool,
     /// How the kd-tree is built.
@@ -44,6 +47,7 @@ impl WorldOptions {
             scene: scene.to_owned(),
             lights: None,
             no_textures: false,
+            strict: false,
             no_mip_maps: false,
             tree: BuildOptions::default(),
             kernel: Kernel::default(),
@@ -70,6 +74,8 @@ pub struct World {
     pub image: HostImage,
     /// Facts about the kd-tree.
     pub tree: TreeFacts,
+    /// What was assumed of files that are not as their formats say, a line a kind; said to the monitor.
+    pub warnings: Vec<String>,
     /// Seconds that it took to load or generate the scene, to build its tree, to lay it out. A kept world
     /// is loaded as it is.
     pub seconds: [f64; 3],
@@ -127,6 +133,7 @@ impl World {
             |kept: &KeptWorlds| monitor.during(&format!("{}: scene", options.scene), |_| kept.find(options));
         if let Some(world) = options.kept.as_ref().and_then(find) {
             check_frames(options, &world.path)?;
+            world.warnings.iter().for_each(|line| monitor.warn(line));
             return Ok((Self { seconds: [started.elapsed().as_secs_f64(), 0.0, 0.0], ..world }, None));
         }
         let Construction { world, scene, tree, files } = Self::make(options, monitor)?;
@@ -149,8 +156,8 @@ impl World {
 
     fn make(options: &WorldOptions, monitor: &dyn Monitor) -> Result<Construction, StudyError> {
         let started = Instant::now();
-        let (scene, files) =
-            monitor.during(&format!("{}: scene", options.scene), |_| open_scene_and_files(options))?;
+        let Loaded { scene, files, warnings } =
+            monitor.during(&format!("{}: scene", options.scene), |_| load(options))?;
         let loaded = started.elapsed().as_secs_f64();
         check_frames(options, &scene.path)?;
         let started = Instant::now();
@@ -162,8 +169,10 @@ impl World {
         let image = lay_out(&scene, &tree, options, monitor)?;
         let world = Self {
             seconds: [loaded, built, started.elapsed().as_secs_f64()],
+            warnings: warnings.iter().map(ToString::to_string).collect(),
             ..Self::of(&options.scene, &scene, &tree, image)
         };
+        world.warnings.iter().for_each(|line| monitor.warn(line));
         Ok(Construction { world, scene, tree, files })
     }
 
@@ -185,6 +194,7 @@ impl World {
             tree: TreeFacts { nodes: tree.nodes.len(), leaves, refs: tree.refs.len() },
             path: scene.path.clone(),
             image,
+            warnings: Vec::new(),
             seconds: [0.0; 3],
         }
     }
@@ -219,24 +229,28 @@ fn check_frames(options: &WorldOptions, path: &[Camera]) -> Result<(), StudyErro
     Ok(())
 }
 
-/// Loads the OBJ file or generates the built-in scene that `options` names.
+/// Loads the OBJ file or generates the built-in scene that `options` names. What was assumed of its files
+/// is said to `monitor`.
 ///
 /// # Errors
 /// If there is no such scene or file, or it is no scene.
-pub fn open_scene(options: &WorldOptions) -> Result<Scene, StudyError> {
-    open_scene_and_files(options).map(|(scene, _)| scene)
+pub fn open_scene(options: &WorldOptions, monitor: &dyn Monitor) -> Result<Scene, StudyError> {
+    let Loaded { scene, warnings, .. } = load(options)?;
+    warnings.iter().for_each(|warning| monitor.warn(&warning.to_string()));
+    Ok(scene)
 }
 
-/// [`open_scene`], and the files that the scene depends on.
-fn open_scene_and_files(options: &WorldOptions) -> Result<(Scene, Vec<PathBuf>), StudyError> {
-    let name = &options.scene;
-    let (mut scene, files) = match builtin::builtin(name) {
-        Some(scene) => (scene, Vec::new()),
-        None if looks_like_a_path(name) => load_obj_and_files(Path::new(name))?,
+/// The scene, the files that it depends on, and what was assumed of them.
+fn load(options: &WorldOptions) -> Result<Loaded, StudyError> {
+    let &WorldOptions { scene: ref name, no_textures, strict, .. } = options;
+    let mut loaded = match builtin::builtin(name) {
+        Some(scene) => Loaded { scene, files: Vec::new(), warnings: Vec::new() },
+        None if looks_like_a_path(name) => load_obj(Path::new(name), LoadOptions { no_textures, strict })?,
         None => {
             return Err(StudyError::UnknownScene { name: name.clone(), suggestion: suggestion(name) });
         }
     };
+    let scene = &mut loaded.scene;
     if let Some(lights) = options.lights {
         let found = scene.lights.len();
         if lights > found {
@@ -244,14 +258,14 @@ fn open_scene_and_files(options: &WorldOptions) -> Result<(Scene, Vec<PathBuf>),
         }
         scene.lights.truncate(lights);
     }
-    if options.no_textures {
+    if no_textures {
         scene.textures.clear();
         for material in &mut scene.materials {
             (material.texture, material.bump) = (None, None);
         }
     }
     scene.mip_maps = !options.no_mip_maps;
-    Ok((scene, files))
+    Ok(loaded)
 }
 
 /// Whether a scene's name is meant as a file: it has a folder or an extension, or exists.
