@@ -337,9 +337,13 @@ fn add_triangles(
                 .note("it is cut into a fan around its first corner", || {
                     at_line("f: the face crosses itself, so that its inside is not defined".to_owned())
                 })?,
+            Some(Uncut::TooMany) => {
+                let reason = "f: too many corners of faces that are not convex: cut the faces into triangles";
+                return Err(at_line(reason.to_owned()));
+            }
             Some(Uncut::TooLong) => {
                 return Err(at_line(format!(
-                    "f has {} corners and is not convex: at most {LONGEST} are possible; cut it into smaller faces",
+                    "f has {} corners and is not convex: fewer than {LONGEST} are possible; cut it into smaller faces",
                     corners.len()
                 )));
             }

@@ -100,7 +100,7 @@ fn long_faces_that_are_concave_are_refused() {
     let files = folder(&[("a.obj", obj.as_bytes())]);
     let error = load_obj(&files.path().join("a.obj"), LoadOptions::default()).unwrap_err();
     assert!(
-        error.message.starts_with("f has 20002 corners and is not convex: at most 16384 are possible"),
+        error.message.starts_with("f has 20002 corners and is not convex: fewer than 16384 are possible"),
         "{error}"
     );
 }

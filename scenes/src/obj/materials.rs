@@ -14,37 +14,8 @@ use crate::text::{TextError, finite, quoted, split_keyword};
 use crate::warning::Warnings;
 
 /// Statements that say nothing of what a [`Material`] has, in small letters; `map_` may stand before.
-const PASSED_OVER: [&str; 29] = [
-    "ka",
-    "ke",
-    "tf",
-    "km",
-    "sharpness",
-    "refl",
-    "disp",
-    "decal",
-    "norm",
-    "aat",
-    "ns",
-    "d",
-    "tr",
-    "pr",
-    "pm",
-    "ps",
-    "pc",
-    "pcr",
-    "aniso",
-    "anisor",
-    "ks",
-    "opacity",
-    "ao",
-    "rma",
-    "orm",
-    "kn",
-    "ni",
-    "ct",
-    "to",
-];
+const PASSED_OVER: &str = "ka ke tf km sharpness refl disp decal norm aat ns d tr pr pm ps pc pcr aniso anisor ks opacity \
+    ao rma orm kn ni ct to kt";
 
 /// An MTL file.
 pub(crate) struct Library {
@@ -235,7 +206,7 @@ impl<'a> Statements<'a> {
             }
             "map_kd" => self.texture = Some(map("map_Kd")),
             "map_bump" | "bump" => self.bump = Some(map("map_Bump")),
-            other if PASSED_OVER.contains(&other.strip_prefix("map_").unwrap_or(other)) => {}
+            other if is_passed_over(other.strip_prefix("map_").unwrap_or(other)) => {}
             _ if keyword.starts_with('#') => {}
             _ => warnings.note("statements that the MTL format does not have are passed over", || {
                 SceneError::at_line(
@@ -358,6 +329,10 @@ impl Place<'_> {
             }
         }
     }
+}
+
+fn is_passed_over(keyword: &str) -> bool {
+    PASSED_OVER.split_whitespace().any(|known| known == keyword)
 }
 
 /// The words of a statement of numbers, without a comment.

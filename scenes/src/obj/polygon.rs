@@ -5,26 +5,31 @@ use std::collections::HashMap;
 use earcut::Earcut;
 use glam::{DVec2, DVec3, Vec3};
 
-/// Corners of the longest face that is cut by its ears, which takes at worst the square of their number.
+/// A face of so many corners is not cut by its ears, which takes at worst the square of their number.
 pub(crate) const LONGEST: usize = 1 << 14;
 
-/// By how much, as a part of it, the triangles' area may differ from the face's: beyond, the face
-/// crosses itself.
-const AREA_TOLERANCE: f64 = 1e-6;
+/// The squares of the corners of all faces that are cut by their ears, added up: minutes of work at worst.
+const MOST_WORK: u64 = 1 << 34;
 
-/// Why a face was cut into a fan that covers another area than its own.
+/// Areas up to this part of a face's are those of corners on an edge, which are rounded as all are.
+const TOLERANCE: f64 = 1e-6;
+
+/// Why a face is cut into a fan that covers another area than its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Uncut {
     /// Its edges cross, so that it has no inside.
     CrossesItself,
-    /// It has more corners than [`LONGEST`].
+    /// It has [`LONGEST`] corners or more.
     TooLong,
+    /// The faces before it took all the work that is spent on one file.
+    TooMany,
 }
 
 /// Cuts faces into triangles; keeps its memory from face to face.
 #[derive(Default)]
 pub(crate) struct Cutter {
     earcut: Earcut<f64>,
+    work: u64,
     ears: Vec<u32>,
     triangles: Vec<[u32; 3]>,
 }
@@ -38,18 +43,16 @@ impl Cutter {
     /// face's ears. Corners that lie on an edge between others stay corners, so that no gap opens to
     /// the face behind that edge.
     pub(crate) fn cut(&mut self, corners: &[Vec3]) -> (&[[u32; 3]], Option<Uncut>) {
-        let uncut = match normal(corners) {
-            Normal::OfFan => {
-                self.fan(corners.len());
-                None
-            }
-            Normal::Of(_) if corners.len() > LONGEST => Some(Uncut::TooLong),
-            Normal::Of(normal) if self.cut_ears(&seen_along(normal, corners)) => None,
-            Normal::Of(_) | Normal::None => Some(Uncut::CrossesItself),
+        let Shape { normal, is_fan, is_sliver } = shape(corners);
+        let uncut = match corners.len() {
+            _ if is_fan => None,
+            LONGEST.. if !is_sliver => Some(Uncut::TooLong),
+            _ if self.work > MOST_WORK => Some(Uncut::TooMany),
+            ..LONGEST if self.cut_ears(&seen_along(normal, corners)) => return (&self.triangles, None),
+            _ if is_sliver => None,
+            _ => Some(Uncut::CrossesItself),
         };
-        if uncut.is_some() {
-            self.fan(corners.len());
-        }
+        self.fan(corners.len());
         (&self.triangles, uncut)
     }
 
@@ -60,6 +63,7 @@ impl Cutter {
 
     /// Cuts a ring in the plane, counterclockwise, and says whether the triangles cover just it.
     fn cut_ears(&mut self, ring: &[DVec2]) -> bool {
+        self.work += (ring.len() as u64).pow(2);
         self.earcut.earcut(ring.iter().map(|corner| corner.to_array()), &[], &mut self.ears);
         self.triangles.clear();
         self.triangles.extend_from_slice(self.ears.as_chunks().0);
@@ -71,7 +75,7 @@ impl Cutter {
         self.add_left_out(ring.len());
         let wanted: f64 = (2..ring.len() as u32).map(|third| area(ring, [0, third - 1, third])).sum();
         let made: f64 = self.triangles.iter().map(|&triangle| area(ring, triangle).abs()).sum();
-        (made - wanted).abs() <= AREA_TOLERANCE * wanted
+        (made - wanted).abs() <= TOLERANCE * wanted
     }
 
     /// Puts the corners that no ear has, as they lie on an edge, back on that edge.
@@ -110,33 +114,30 @@ impl Cutter {
     }
 }
 
-/// A face's normal, as far as it is needed.
-enum Normal {
-    /// The fan around the first corner covers the face.
-    OfFan,
-    /// The face's normal after Newell: as long as twice its area.
-    Of(DVec3),
-    /// The parts of the face cancel out.
-    None,
+/// What decides how a face is cut.
+struct Shape {
+    /// After Newell: as long as twice the face's area.
+    normal: DVec3,
+    /// The fan around the first corner covers the face: no triangle of it turns over.
+    is_fan: bool,
+    /// The corners lie on a line, but for rounding.
+    is_sliver: bool,
 }
 
-fn normal(corners: &[Vec3]) -> Normal {
+fn shape(corners: &[Vec3]) -> Shape {
     let first = corners[0].as_dvec3();
     let spokes = || corners[1..].iter().map(|corner| corner.as_dvec3() - first);
     let doubled_areas = || spokes().zip(spokes().skip(1)).map(|(a, b)| a.cross(b));
     let normal: DVec3 = doubled_areas().sum();
-    // Corners that are meant to lie on an edge lie as far beside it as their coordinates are rounded.
-    let largest = corners.iter().map(|corner| corner.abs().max_element()).fold(0.0, f32::max);
-    let longest = spokes().map(|spoke| spoke.length()).fold(0.0, f64::max);
-    let rounding = 4.0 * f64::from(f32::EPSILON) * f64::from(largest) * longest;
-    let length = normal.length();
-    if doubled_areas().all(|area| area.dot(normal) >= -rounding * length) && length > rounding {
-        return Normal::OfFan;
-    }
-    match length > rounding {
-        true => Normal::Of(normal),
-        false if doubled_areas().all(|area| area.length() <= rounding) => Normal::OfFan,
-        false => Normal::None,
+    let turned_over = TOLERANCE * normal.length_squared();
+    let all: f64 = doubled_areas().map(|area| area.length()).sum();
+    let longest = spokes().map(|spoke| spoke.length_squared()).fold(0.0, f64::max);
+    Shape {
+        normal,
+        // Where they cancel out, no triangle is the one that is turned over.
+        is_fan: doubled_areas().all(|area| area.dot(normal) >= -turned_over)
+            && normal.length() >= TOLERANCE * all,
+        is_sliver: doubled_areas().all(|area| area.length() <= TOLERANCE * longest),
     }
 }
 
@@ -204,14 +205,32 @@ mod tests {
         let mut cutter = Cutter::default();
         let face = flat(&[[0, 0], [1, 0], [2, 0], [2, 2], [0, 2]]);
         assert_eq!(cutter.cut(&face), (&[[0, 1, 2], [0, 2, 3], [0, 3, 4]][..], None));
-        let point = [Vec3::ONE; 5];
-        assert_eq!(cutter.cut(&point).1, None);
+        let line = [0.1, 0.3, 0.2, 0.7, 0.5].map(|at| at * Vec3::new(0.3, 0.7, 0.9));
+        for nothing in [[Vec3::ONE; 5], line] {
+            assert_eq!(cutter.cut(&nothing), (&[[0, 1, 2], [0, 2, 3], [0, 3, 4]][..], None));
+        }
     }
 
     #[test]
     fn concave_faces_are_covered_once() {
         covers(&C, 10.0);
         covers(&[[0, 0], [4, 0], [1, 1], [0, 4]], 4.0);
+    }
+
+    #[test]
+    fn thin_and_far_faces_are_covered_once() {
+        let thin = flat(&C).into_iter().map(|corner| corner * Vec3::new(1e4, 1e-4, 1.0)).collect();
+        let far = flat(&C).into_iter().map(|corner| corner + Vec3::new(1e7, 0.0, -1e7)).collect();
+        for corners in [thin, far] as [Vec<Vec3>; 2] {
+            let mut cutter = Cutter::default();
+            let (triangles, uncut) = cutter.cut(&corners);
+            let area = |triangle: &[u32; 3]| {
+                let [a, b, c] = triangle.map(|corner| corners[corner as usize].as_dvec3());
+                (b - a).cross(c - a).length() / 2.0
+            };
+            assert_eq!(uncut, None);
+            approx::assert_relative_eq!(triangles.iter().map(area).sum::<f64>(), 10.0, max_relative = 1e-5);
+        }
     }
 
     #[test]
@@ -235,6 +254,14 @@ mod tests {
     }
 
     #[test]
+    fn the_work_on_a_file_is_bounded() {
+        let mut cutter = Cutter { work: MOST_WORK, ..Cutter::default() };
+        assert_eq!(cutter.cut(&flat(&C)).1, None);
+        assert_eq!(cutter.cut(&flat(&C)).1, Some(Uncut::TooMany));
+        assert_eq!(cutter.cut(&flat(&[[0, 0], [1, 0], [1, 1], [0, 1]])).1, None);
+    }
+
+    #[test]
     fn the_longest_face_is_cut() {
         // A comb.
         let teeth = |corners: usize| -> Vec<Vec3> {
@@ -244,7 +271,7 @@ mod tests {
             flat(&ring)
         };
         let mut cutter = Cutter::default();
-        assert_eq!(cutter.cut(&teeth(LONGEST)).1, None);
-        assert_eq!(cutter.cut(&teeth(LONGEST + 2)).1, Some(Uncut::TooLong));
+        assert_eq!(cutter.cut(&teeth(LONGEST - 2)).1, None);
+        assert_eq!(cutter.cut(&teeth(LONGEST)).1, Some(Uncut::TooLong));
     }
 }

@@ -16,10 +16,8 @@ use crate::text::{quoted, read_bytes};
 use crate::warning::Warnings;
 
 /// Endings of the names of images of other formats than PNG and JPEG. Some have no mark in their content.
-const OTHER_FORMATS: [&str; 21] = [
-    "tga", "bmp", "dds", "tif", "tiff", "gif", "webp", "psd", "exr", "hdr", "ktx", "ktx2", "basis", "pcx",
-    "ppm", "pgm", "pnm", "iff", "rgb", "sgi", "svg",
-];
+const OTHER_FORMATS: &str =
+    "tga bmp dds tif tiff gif webp psd exr hdr ktx ktx2 basis pcx ppm pgm pnm iff rgb sgi svg";
 
 /// The images that materials name, each once, and who named it first.
 #[derive(Default)]
@@ -159,7 +157,7 @@ fn decode(path: &Path, texels: Texels) -> Result<Decoded, String> {
         Some(ImageFormat::Jpeg) if !has_jpeg_end(&bytes) => return Err(broken(&"its end is missing")),
         Some(ImageFormat::Jpeg) => {}
         Some(_) => return Ok(Decoded::OtherFormat),
-        None if OTHER_FORMATS.iter().any(|other| ending.as_deref() == Some(other.as_ref())) => {
+        None if OTHER_FORMATS.split_whitespace().any(|other| ending.as_deref() == Some(other.as_ref())) => {
             return Ok(Decoded::OtherFormat);
         }
         None => {}
