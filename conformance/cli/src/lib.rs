@@ -22,6 +22,7 @@
 //! | [`size`] | sizes in bytes, as a user writes them |
 //! | [`limits`] | how much memory a simulation may take |
 //! | [`output`] | standard output and output files, whole or not at all |
+//! | [`signals`] | what is done before a signal ends the process |
 //! | [`progress`] | messages on standard error |
 //! | [`table`] | tables as text and as HTML |
 //! | [`plot`] | how graphs look |
@@ -51,6 +52,7 @@ pub mod prove;
 pub mod reproduce;
 pub mod results;
 pub mod sample;
+pub mod signals;
 pub mod size;
 pub mod status;
 pub mod summary;

@@ -30,6 +30,8 @@ const WALK: &[(&str, i32, &str)] = &[
     ("saarcor conform list --faults", 0, "victim-off-by-one"),
     ("saarcor conform new c faulty --fault victim-off-by-one", 0, ""),
     ("saarcor conform run faulty --html report.html --junit report.xml", 1, "VM-6"),
+    ("saarcor conform run faulty --only-failed", 1, "VM-6"),
+    ("saarcor conform run faulty --verbose", 1, "passed"),
     ("saarcor conform list", 0, "vm/lru-victim"),
     ("saarcor conform generate vm/lru-victim", 0, "policy=lru"),
     ("saarcor conform generate vm/random/17 --requests 500 > requests.txt", 0, ""),
@@ -124,6 +126,7 @@ fn replay_fails_again() {
         &report["requirements"][0],
         &report["failures"][0],
         &report["coverage"][0],
+        &report["outcomes"][0],
     ] {
         for key in object.as_object().expect("an object").keys() {
             assert!(readme.contains(&format!("`{key}`")), "the README does not say what {key} is");
@@ -251,4 +254,89 @@ fn strays_are_killed() {
     let processes = std::fs::read_dir("/proc").expect("Linux has it").flatten();
     let lines = processes.filter_map(|entry| std::fs::read(entry.path().join("cmdline")).ok());
     assert!(!lines.into_iter().any(|line| line.starts_with(b"sleep\0") && line.ends_with(b"1000.03125\0")));
+}
+
+/// A command that starts nothing is bad input, and no implementation that does not conform.
+#[test]
+fn what_starts_nothing_is_bad_input() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let none = folder.path().join("none");
+    std::fs::create_dir(&none).expect("a folder");
+    let dut = |lines: &str| {
+        std::fs::write(none.join("dut.toml"), format!("kind = \"saarcor-vm\"\n{lines}")).expect("written");
+    };
+    let run = |name: &str| {
+        let args = ["conform", "run", name, "--suite", "vm/hello-and-end", "--json"];
+        common::refusal(&run_in(folder.path(), &args), &args)
+    };
+    dut("command = './no-such-program'\n");
+    for (name, parts) in [
+        ("nome", &["nome: no folder, and no command line; did you mean 'none'?", "not found"][..]),
+        ("none", &["'./no-such-program' cannot be started", "status 127"]),
+        ("/etc/passwd", &["status 126"]),
+    ] {
+        let line = run(name);
+        assert!(parts.iter().all(|part| line.contains(part)), "{line}");
+    }
+    dut("library = 'no-such-library.so'\n");
+    assert!(run("none").contains("no-such-library.so: the library of dut.toml is not there"));
+}
+
+/// The verdict is there, whatever else cannot be written, and whoever reads it.
+#[test]
+fn verdict_is_never_lost() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("target"), "no folder").expect("written");
+    let args = ["conform", "run", "exit 3", "--errors", "1", "--json"];
+    let output = run_in(folder.path(), &args);
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("a report");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!((output.status.code(), &report["failures"][0]["replay"]), (Some(1), &serde_json::Value::Null));
+    assert!(stderr.contains("are not kept: target/conform") && stderr.lines().count() == 1, "{stderr}");
+    let mut run = common::saarcor(&args);
+    let mut child =
+        run.current_dir(folder.path()).stdout(std::process::Stdio::piped()).spawn().expect("it starts");
+    drop(child.stdout.take());
+    assert_eq!(child.wait().expect("a child").code(), Some(1));
+}
+
+#[test]
+fn command_to_copy_is_quoted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut new = std::process::Command::new(env!("CARGO_BIN_EXE_saarcor"));
+    new.args(["conform", "new", "python", "my cache"]).current_dir(folder.path());
+    let output = new.output().expect("it starts");
+    assert!(String::from_utf8_lossy(&output.stderr).ends_with("saarcor conform run 'my cache'\n"));
+}
+
+/// An implementation that answers all reads by a hit, and a flush by what is no answer.
+const HITS: &str = "while read x; do case $x in saarcor*|end) echo $x;; config*) echo ok observes=hit;; r*) echo h - -;; flush) echo maybe;; *) echo ok;; esac; done";
+
+/// Known failures do not count, and are said; a run of those that failed last holds them alone.
+#[test]
+fn failures_are_waived_and_run_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = |more: &[&str]| {
+        let suites = ["vm/hello-and-end", "vm/flush", "vm/lru-victim"].map(|suite| ["--suite", suite]);
+        run_in(folder.path(), &[&["conform", "run", HITS], suites.as_flattened(), more].concat())
+    };
+    let none = run(&["--only-failed"]);
+    assert_eq!(none.status.code(), Some(2), "{}", String::from_utf8_lossy(&none.stderr));
+    let all = run(&["--verbose"]);
+    let text = says(&all, 1, &["does not conform", "vm/hello-and-end", "passed", "line=", "demands   "]);
+    let failed = std::fs::read_to_string(folder.path().join("target/conform/failed.txt")).expect("a list");
+    assert!(!failed.contains("vm/hello-and-end") && failed.contains("vm/flush"), "{failed}{text}");
+    let again: serde_json::Value =
+        serde_json::from_slice(&run(&["--only-failed", "--json"]).stdout).expect("JSON");
+    assert_eq!(again["sessions"], failed.lines().count());
+    assert_eq!((&again["protocol"], &again["seed"]), (&"saarcor-vm 1".into(), &0.into()));
+    let file = folder.path().join("known.toml");
+    let entries =
+        failed.lines().map(|name| format!("[[waive]]\nsession = '{name}'\nreason = 'a known one'\n"));
+    std::fs::write(&file, entries.collect::<String>()).expect("written");
+    let waived = run(&["--waive", "known.toml", "--level", "protocol"]);
+    let parts = ["conforms", "sessions that fail and are waived (", "waived: vm/flush", "a known one"];
+    says(&waived, 0, &parts);
+    std::fs::write(&file, "[[waive]]\nsession = 'vm/flush'\n").expect("written");
+    assert_eq!(run(&["--waive", "known.toml"]).status.code(), Some(2));
 }

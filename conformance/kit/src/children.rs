@@ -8,8 +8,7 @@ use rustix::process::{
 };
 #[cfg(target_os = "linux")]
 use rustix::process::{kill_process, waitpid};
-use signal_hook::consts::{SIGCHLD, SIGHUP, SIGINT, SIGTERM};
-use signal_hook::iterator::Signals;
+use signal_hook::consts::SIGCHLD;
 use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::os::unix::process::CommandExt as _;
@@ -149,6 +148,11 @@ impl LeaderEnd {
     pub fn is_success(self) -> bool {
         self.status == Some(0)
     }
+
+    /// Whether a shell says so that it could not start what it was to: it was not there, or may not be executed.
+    pub fn is_not_started(self) -> bool {
+        matches!(self.status, Some(126 | 127))
+    }
 }
 
 impl std::fmt::Display for LeaderEnd {
@@ -231,23 +235,11 @@ fn reap_strays() {
     }
 }
 
-/// Has all children killed before this process ends by a signal: they are in groups of their own, and
-/// an interrupt at the terminal does not reach them.
-///
-/// # Errors
-/// Where signals cannot be waited for.
-pub fn kill_all_when_ended() -> Result<(), Error> {
-    let mut signals =
-        Signals::new([SIGINT, SIGTERM, SIGHUP]).map_err(Error::system("signals cannot be waited for"))?;
-    std::thread::spawn(move || {
-        if let Some(signal) = signals.forever().next() {
-            let _none_is_started = STARTING.write();
-            kill_strays();
-            // Ends this process as the signal would have.
-            let _ = signal_hook::low_level::emulate_default_handler(signal);
-        }
-    });
-    Ok(())
+/// Kills all children, and lets none be started any more: for a process that ends by a signal. They are in groups of
+/// their own, and an interrupt at the terminal does not reach them.
+pub fn kill_all_for_good() {
+    std::mem::forget(STARTING.write());
+    kill_strays();
 }
 
 /// Kills all processes that this one has inherited. For the end of a run: what else this process

@@ -15,6 +15,8 @@ pub struct ConversationEnd {
     pub timeout: Option<Timeout>,
     /// The end of what the implementation wrote to standard error.
     pub stderr: String,
+    /// Whether the process had held other sessions before.
+    pub is_used: bool,
 }
 
 /// How the time of a conversation ran out.
@@ -40,6 +42,25 @@ pub trait Dut: Sync {
         scoreboard: &mut Scoreboard<'_>,
         deadline: &Deadline,
     ) -> Result<ConversationEnd, Error>;
+
+    /// The same in a process that holds no other session.
+    ///
+    /// # Errors
+    /// Why the implementation cannot be started.
+    fn converse_alone(
+        &self,
+        session: &Session,
+        scoreboard: &mut Scoreboard<'_>,
+        deadline: &Deadline,
+    ) -> Result<ConversationEnd, Error> {
+        self.converse(session, scoreboard, deadline)
+    }
+
+    /// Gives sessions a part of their time from now on, as one has hung: there may be many like it.
+    fn hurry(&self) {}
+
+    /// Says that no more sessions follow: what waits for them may go.
+    fn finish(&self) {}
 
     /// Time that a session may take; none where nothing can hang.
     fn time_limit(&self) -> Option<Duration> {

@@ -70,6 +70,14 @@ pub enum Error {
         /// How it ended, and the end of what it wrote.
         why: String,
     },
+    /// The command line of an implementation starts nothing.
+    #[error("'{command}' cannot be started: {why}")]
+    NotStarted {
+        /// The command line.
+        command: String,
+        /// How it ended, and what the shell says.
+        why: String,
+    },
     /// The report cannot be written as XML.
     #[error("the report as XML")]
     Junit(#[from] quick_junit::SerializeError),

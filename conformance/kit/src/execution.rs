@@ -4,6 +4,8 @@
 //! sessions first; so the first random session starts at once, beside the others, and stops the run at the time
 //! limit. After the first failure the verdict is known: sessions then run for half of a time limit more, and
 //! their failures are shrunk until the end of a whole one, or for longer where answers take next to no time.
+//! A session that hangs is one failure of many, where others have been held to their ends: then the rest have a time
+//! limit together, and a part of it each.
 
 use crate::deadline::Deadline;
 use crate::dut::{ConversationEnd, Dut, Timeout};
@@ -11,16 +13,16 @@ use crate::error::Error;
 use crate::kind::Kind;
 use crate::level::Level;
 use crate::plan::{Options, PlannedSession};
-use crate::scoreboard::{Finding, Scoreboard};
+use crate::scoreboard::{Finding, Scoreboard, Stage};
 use crate::session::Session;
-use rayon::prelude::*;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use rayon::BroadcastContext;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::{ScopedJoinHandle, scope};
 use std::time::{Duration, Instant};
 
-/// Sessions between two checks of the number of errors. It does not depend on the number of threads, and so the
-/// report does not either.
-const BATCH: usize = 16;
+/// Sessions that are awaited for a whole time limit after the first failure, whichever of them fails first: they name
+/// the cause.
+const FIRST: usize = 16;
 /// Time for sessions that began together with one that reached its time limit, and then for shrinking:
 /// far less than the two seconds in which a verdict is due.
 const LATE_GRACE: Duration = Duration::from_millis(250);
@@ -36,17 +38,26 @@ const GREETINGS: usize = 3;
 /// Time limits that the failures of a quick one are shrunk for.
 const QUICK_LIMITS: u32 = 3;
 
+/// The requirement that a session begins as if it were the first of its process.
+pub(crate) const FRESH: &str = "P-9";
+
 /// The result of one session.
 #[derive(Debug)]
 pub(crate) struct SessionResult {
     /// Its place in the plan.
     pub place: usize,
+    /// Its name.
+    pub name: String,
     /// The row of the report that counts it.
     pub row: String,
     /// The end of what the implementation wrote to standard error; empty where nothing differs.
     pub stderr: String,
     /// The first difference at each level.
     pub findings: Vec<Finding>,
+    /// The requirement that is broken, where something differs.
+    pub broken: Option<String>,
+    /// Why its failure does not count, where it is known.
+    pub waived: Option<String>,
     /// The key that the implementation does not support.
     pub unsupported: Option<String>,
     /// Its configuration.
@@ -67,6 +78,18 @@ pub(crate) struct SessionResult {
     pub timeout: Option<Timeout>,
 }
 
+impl SessionResult {
+    /// The difference at the lowest level: those above follow from it.
+    pub fn lowest(&self) -> Option<&Finding> {
+        self.findings.iter().min_by_key(|finding| finding.level)
+    }
+
+    /// Whether it fails, and that counts.
+    pub fn fails(&self) -> bool {
+        !self.findings.is_empty() && self.waived.is_none()
+    }
+}
+
 /// The results of all sessions.
 pub(crate) struct Execution {
     /// By their places.
@@ -78,10 +101,6 @@ pub(crate) struct Execution {
     /// When failures are to be shrunk.
     pub shrinking: Deadline,
 }
-
-/// Rows of the report for sessions that are about no requirement.
-const RANDOM: &str = "random";
-const GIVEN: &str = "frames, files";
 
 /// An implementation, and what it is run with.
 #[derive(Clone, Copy)]
@@ -101,8 +120,8 @@ impl Run<'_> {
     /// Runs all sessions. `progress` is given the part that is done, from 0 to 1.
     pub fn execute(&self, progress: &(dyn Fn(f64) + Sync)) -> Result<Execution, Error> {
         let (deadline, extra_deadline) = (Deadline::never(), Deadline::never());
-        let executor =
-            &Executor { run: *self, progress, deadline, extra_deadline, done: AtomicUsize::new(0) };
+        let (done, has_ended) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let executor = &Executor { run: *self, progress, deadline, extra_deadline, done, has_ended };
         scope(|scope| {
             let is_random = |planned: &PlannedSession| matches!(planned, PlannedSession::Random { .. });
             let long = self.planned.iter().position(is_random);
@@ -123,76 +142,109 @@ struct Executor<'a> {
     /// For sessions that start after the first failure: half a time limit after it.
     extra_deadline: Deadline,
     done: AtomicUsize,
+    /// Whether a session was held to its end.
+    has_ended: AtomicBool,
 }
 
 impl Executor<'_> {
-    fn all(&self, mut long: Option<Beside<'_>>) -> Result<Execution, Error> {
-        let mut results: Vec<SessionResult> = Vec::new();
-        let mut random_seconds = 0.0;
-        let mut enough = false;
-        let places: Vec<usize> = (0..self.run.planned.len()).collect();
-        for batch in places.chunks(BATCH) {
-            let started = Instant::now();
-            let beside = long.take_if(|(place, _)| batch.contains(place));
-            let others =
-                batch.par_iter().filter(|&&place| beside.as_ref().is_none_or(|(at, _)| *at != place));
-            let mut of_batch: Vec<Option<SessionResult>> =
-                others.map(|&place| self.session(place)).collect::<Result<_, Error>>()?;
-            // Threads run sessions at the same time: the random ones take their share of it.
-            let seconds: f64 = of_batch.iter().flatten().map(|result| result.seconds).sum();
-            let random = of_batch.iter().flatten().filter(|result| result.random);
-            let random: f64 = random.map(|result| result.seconds).sum();
-            if seconds > 0.0 {
-                random_seconds += started.elapsed().as_secs_f64() * random / seconds;
-            }
-            if let Some((_, handle)) = beside {
-                let long = joined(handle)?;
-                let seconds = long.as_ref().map_or(0.0, |result| result.seconds);
-                random_seconds += seconds / rayon::current_num_threads() as f64;
-                of_batch.push(long);
-            }
-            results.extend(of_batch.into_iter().flatten());
-            results.sort_unstable_by_key(|result| result.place);
-            let mut failing = results.iter().enumerate().filter(|(_, result)| !result.findings.is_empty());
-            if let Some((last, _)) = failing.nth(self.run.options.errors.max(1) - 1) {
-                results.truncate(last + 1);
-                enough = true;
-                break;
-            }
-            if self.extra_deadline.has_come() {
-                break;
-            }
-        }
+    fn all(&self, long: Option<Beside<'_>>) -> Result<Execution, Error> {
+        let started = Instant::now();
+        let mut results = self.in_order(long.as_ref().map(|(place, _)| *place))?;
+        let seconds = |results: &[SessionResult], is_counted: fn(&SessionResult) -> bool| -> f64 {
+            results.iter().filter(|result| is_counted(result)).map(|result| result.seconds).sum()
+        };
+        // Threads run sessions at the same time: the random ones take their share of it.
+        let (all, random) = (seconds(&results, |_| true), seconds(&results, |result| result.random));
+        let share = if all > 0.0 { random / all } else { 0.0 };
+        let mut random_seconds = started.elapsed().as_secs_f64() * share;
+        let mut is_enough = self.cut(&mut results);
         let time_left = self.deadline.left();
-        if enough {
-            self.deadline.within(Duration::ZERO);
-            self.extra_deadline.within(Duration::ZERO);
-        }
-        if let Some((_, handle)) = long {
+        if let Some((place, handle)) = long {
+            let is_behind = is_enough && results.last().is_none_or(|last| last.place < place);
+            if is_behind {
+                self.deadline.within(Duration::ZERO);
+                self.extra_deadline.within(Duration::ZERO);
+            }
             let long = joined(handle)?;
-            let alone = !results.iter().any(|result| result.timeout.is_some());
-            results.extend(long.filter(|_| !enough && alone));
+            let alone = !results.iter().any(|result| result.timeout == Some(Timeout::Slow));
+            if let Some(long) = long.filter(|_| !is_behind && alone) {
+                random_seconds += long.seconds / rayon::current_num_threads() as f64;
+                results.push(long);
+                is_enough = self.cut(&mut results);
+            }
         }
         let shrinking = Deadline::never();
         if let Some(limit) = self.run.dut.time_limit() {
-            let late = results.iter().any(|result| result.timeout.is_some());
+            // What hangs is not shrunk.
+            let is_shrunk = |result: &SessionResult| result.timeout.is_none() && result.fails();
+            let is_slow = results.iter().any(|result| result.timeout == Some(Timeout::Slow));
+            let late = is_slow || !results.iter().any(is_shrunk);
             let pace = results.iter().map(|result| result.seconds / (result.answered + GREETINGS) as f64);
             let is_quick = pace.fold(f64::INFINITY, f64::min) * QUICK_ANSWERS < limit.as_secs_f64();
             let longer = if is_quick { QUICK_LIMITS * limit } else { Duration::ZERO };
             shrinking.within(if late { LATE_GRACE } else { time_left.saturating_add(longer) });
         }
-        Ok(Execution { stopped: self.why_stopped(&results, enough), results, random_seconds, shrinking })
+        Ok(Execution { stopped: self.why_stopped(&results, is_enough), results, random_seconds, shrinking })
+    }
+
+    /// Runs the sessions but the one at `beside`, each begun in the order of the plan, until enough have failed.
+    fn in_order(&self, beside: Option<usize>) -> Result<Vec<SessionResult>, Error> {
+        let (next, failing) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let of_thread = |_: BroadcastContext<'_>| {
+            let mut results = Vec::new();
+            while failing.load(Ordering::Relaxed) < self.errors() {
+                let place = next.fetch_add(1, Ordering::Relaxed);
+                if place >= self.run.planned.len() {
+                    break;
+                }
+                if Some(place) == beside {
+                    continue;
+                }
+                match self.session(place) {
+                    Ok(Some(result)) => {
+                        failing.fetch_add(usize::from(result.fails()), Ordering::Relaxed);
+                        results.push(result);
+                    }
+                    Ok(None) => {}
+                    Err(error) => {
+                        // Nothing more is begun.
+                        failing.store(self.errors(), Ordering::Relaxed);
+                        return Err(error);
+                    }
+                }
+            }
+            Ok(results)
+        };
+        let of_threads = rayon::broadcast(of_thread).into_iter().collect::<Result<Vec<_>, _>>()?;
+        Ok(of_threads.into_iter().flatten().collect())
+    }
+
+    /// Sessions that fail before a run is stopped.
+    fn errors(&self) -> usize {
+        self.run.options.errors.max(1)
+    }
+
+    /// Orders the results, and leaves out those behind the last failure that is asked for: all before it are there,
+    /// whatever the number of threads. Returns whether so many fail.
+    fn cut(&self, results: &mut Vec<SessionResult>) -> bool {
+        results.sort_unstable_by_key(|result| result.place);
+        let mut failing = results.iter().enumerate().filter(|(_, result)| result.fails());
+        let last = failing.nth(self.errors() - 1).map(|(last, _)| last);
+        results.truncate(last.map_or(results.len(), |last| last + 1));
+        last.is_some()
     }
 
     /// Why sessions were left out, if some were; but for those that are too slow for the time limit.
-    fn why_stopped(&self, results: &[SessionResult], enough: bool) -> Option<String> {
-        let timeouts = || results.iter().filter_map(|result| result.timeout);
-        if timeouts().any(|timeout| timeout == Timeout::Hung) {
-            Some("the implementation hangs".to_owned())
-        } else if results.len() == self.run.planned.len() || timeouts().next().is_some() {
+    fn why_stopped(&self, results: &[SessionResult], is_enough: bool) -> Option<String> {
+        let is_any = |timeout| results.iter().any(|result| result.timeout == Some(timeout));
+        if results.len() == self.run.planned.len() {
             None
-        } else if enough {
-            Some(format!("{} sessions fail", self.run.options.errors.max(1)))
+        } else if is_enough {
+            Some(format!("{} sessions fail", self.errors()))
+        } else if is_any(Timeout::Hung) {
+            Some("the implementation hangs".to_owned())
+        } else if is_any(Timeout::Slow) {
+            None
         } else {
             Some("sessions fail, and half of the time limit has gone since the first did".to_owned())
         }
@@ -200,8 +252,7 @@ impl Executor<'_> {
 
     /// Runs a session; none where it was stopped before anything differed.
     fn session(&self, place: usize) -> Result<Option<SessionResult>, Error> {
-        // The first ones are awaited, whichever of them fails first: they name the cause.
-        let is_more = place >= BATCH && self.extra_deadline.left() < Duration::MAX;
+        let is_more = place >= FIRST && self.extra_deadline.left() < Duration::MAX;
         let deadline = if is_more { &self.extra_deadline } else { &self.deadline };
         if deadline.has_come() {
             return Ok(None);
@@ -210,14 +261,36 @@ impl Executor<'_> {
         let session = self.run.session(place);
         let mut scoreboard = Scoreboard::new(kind, &session, options.highest());
         let began = Instant::now();
-        let ConversationEnd { timeout, stderr } = dut.converse(&session, &mut scoreboard, deadline)?;
+        let mut end = dut.converse(&session, &mut scoreboard, deadline)?;
+        if end.is_used && !scoreboard.findings().is_empty() {
+            // Is it the session, or those before it in the same process?
+            scoreboard = Scoreboard::new(kind, &session, options.highest());
+            end = dut.converse_alone(&session, &mut scoreboard, deadline)?;
+            if end.timeout.is_none() && scoreboard.findings().is_empty() {
+                scoreboard
+                    .misbehaves(FRESH, "the session fails behind others in one process, and passes alone");
+            }
+        }
+        let ConversationEnd { timeout, stderr, .. } = end;
+        let lowest = scoreboard.findings().iter().min_by_key(|finding| finding.level);
+        let broken = lowest.map(|finding| requirement(&session, finding));
+        let waiver = broken.as_ref().and_then(|broken| options.waivers.find(&session.name, broken));
+        let waived = waiver.map(|waiver| waiver.reason.clone());
+        if scoreboard.stage() == Stage::Ended && timeout.is_none() {
+            self.has_ended.store(true, Ordering::Relaxed);
+        }
         match (timeout, dut.time_limit()) {
+            (Some(Timeout::Hung), Some(limit)) if self.has_ended.load(Ordering::Relaxed) => {
+                dut.hurry();
+                self.extra_deadline.within(limit);
+                self.deadline.within(limit + START_GRACE);
+            }
             // What has had no time once would take the time limit again and again.
             (Some(Timeout::Hung | Timeout::Slow), _) => {
                 self.extra_deadline.within(LATE_GRACE);
                 self.deadline.within(LATE_GRACE);
             }
-            (_, Some(limit)) if !scoreboard.findings().is_empty() => {
+            (_, Some(limit)) if lowest.is_some() && waived.is_none() => {
                 self.extra_deadline.within(limit / 2);
                 self.deadline.within(limit + START_GRACE);
             }
@@ -230,11 +303,11 @@ impl Executor<'_> {
         let random = matches!(planned[place], PlannedSession::Random { .. });
         let observed = kind.levels().iter().copied().filter(|&level| scoreboard.observed(level)).collect();
         Ok(Some(SessionResult {
-            row: session
-                .requirement
-                .clone()
-                .unwrap_or_else(|| if random { RANDOM } else { GIVEN }.to_owned()),
+            row: planned[place].row().to_owned(),
             place,
+            name: session.name.clone(),
+            broken,
+            waived,
             stderr: if scoreboard.findings().is_empty() { String::new() } else { stderr },
             findings: scoreboard.findings().to_vec(),
             unsupported: scoreboard.unsupported().map(str::to_owned),
@@ -256,3 +329,20 @@ fn joined(
 ) -> Result<Option<SessionResult>, Error> {
     handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
+
+/// The requirement that a session fails for. A directed session fails for its own, whatever differs, with these
+/// exceptions: wrong bytes, unless it is about bytes; a conversation that breaks off, unless it is about answers
+/// and their form; the bytes of an entry of metadata; and the order of free ways.
+pub(crate) fn requirement(session: &Session, finding: &Finding) -> String {
+    let own = finding.requirement.to_owned();
+    let Some(about) = session.requirement.clone() else { return own };
+    let of_bytes = finding.level == Level::Data && session.level != Some(Level::Data);
+    let breaks_off = finding.level == Level::Protocol && !(about.starts_with("P-") && own == "P-5");
+    if breaks_off || of_bytes || [ENTRY_BYTES, FREE_WAYS].contains(&&*own) { own } else { about }
+}
+
+/// The requirement of what an entry of metadata consists of.
+const ENTRY_BYTES: &str = "VM-12";
+
+/// The requirement of which free way is filled.
+const FREE_WAYS: &str = "VM-7";

@@ -4,52 +4,41 @@
 //! and `JUnit.xsd` of Ant's tasks (Windy Road), which asks for more in each suite and for less at the root.
 
 use crate::error::Error;
-use crate::report::{ConformanceReport, ConformanceVerdict};
+use crate::report::{ConformanceReport, ConformanceVerdict, Failure, Outcome, SessionOutcome};
 use chrono::{DateTime, Utc};
 use quick_junit::{NonSuccessKind, Property, Report as JunitReport, TestCase, TestCaseStatus, TestSuite};
 use std::time::{Duration, SystemTime};
 
-/// The row of the sessions that are timed, by [`ConformanceReport::random_seconds`].
-const TIMED: &str = "random";
 /// The suite of a run that cannot be judged.
 const WHOLE: &str = "verdict";
 
 impl ConformanceReport {
-    /// The report as JUnit XML, of a run at that time: a suite for each requirement, with a case for its
-    /// sessions together, and one for each failure; where the verdict is incomplete, a suite with
-    /// an error. Only the random sessions are timed.
+    /// The report as JUnit XML, of a run at that time: a suite for each requirement, with a case for each of its
+    /// sessions, by its name, with its time; a session that was not judged is skipped, and so is one whose failure is
+    /// waived. Where the verdict is incomplete, a suite with an error comes last.
     ///
     /// # Errors
     /// Never, but for a failure of the library that writes it.
     pub fn junit(&self, at: SystemTime) -> Result<String, Error> {
-        let mut suites: Vec<TestSuite> = Vec::new();
-        for row in &self.requirements {
-            let seconds = if row.requirement == TIMED { self.random_seconds } else { 0.0 };
-            let mut cases = Vec::new();
-            let failures = self.failures.iter().filter(|failure| failure.row == row.requirement);
-            for failure in failures {
-                let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-                status.set_type(failure.level.name()).set_message(&failure.says);
-                status.set_description(failure.text());
-                cases.push(TestCase::new(failure.session.as_str(), status));
-            }
-            let rest = row.sessions.saturating_sub(cases.len());
-            if rest > 0 {
-                let failed = row.failed.saturating_sub(cases.len());
-                let mut status = TestCaseStatus::success();
-                if failed > 0 {
-                    status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-                    let says = format!("{failed} of {rest} further sessions fail");
-                    status.set_type("sessions").set_message(says);
-                }
-                cases.push(TestCase::new(format!("{rest} sessions"), status));
-            }
-            suites.push(self.suite(&row.requirement, cases, seconds));
+        let mut rows: Vec<(&str, Vec<TestCase>, f64)> = Vec::new();
+        for outcome in &self.outcomes {
+            let place = rows.iter().position(|(row, ..)| *row == outcome.row).unwrap_or_else(|| {
+                rows.push((&outcome.row, Vec::new(), 0.0));
+                rows.len() - 1
+            });
+            let (_, cases, seconds) = &mut rows[place];
+            // The same session may have been asked for twice.
+            let same = cases.iter().filter(|case| is_named(case.name.as_str(), &outcome.session)).count();
+            let number = if same > 0 { format!(" ({})", same + 1) } else { String::new() };
+            cases.push(self.case(outcome, &number));
+            *seconds += outcome.seconds;
         }
+        let mut suites: Vec<TestSuite> =
+            rows.into_iter().map(|(row, cases, seconds)| self.suite(row, cases, seconds)).collect();
         if self.verdict == ConformanceVerdict::Incomplete {
             let mut status = TestCaseStatus::non_success(NonSuccessKind::Error);
             let why = self.stopped.as_deref().unwrap_or("no level above the protocol could be judged");
-            status.set_type(ConformanceVerdict::Incomplete.text()).set_message(why);
+            status.set_type(ConformanceVerdict::Incomplete.text()).set_message(legal(why));
             suites.push(self.suite(WHOLE, vec![TestCase::new(WHOLE, status)], 0.0));
         }
         let at = DateTime::<Utc>::from(at).format("%Y-%m-%dT%H:%M:%S").to_string();
@@ -70,24 +59,64 @@ impl ConformanceReport {
         let begin = text.find("<testsuites").ok_or("XML without a root element")?;
         let end = begin + text[begin..].find('>').ok_or("XML without the end of its root's tag")?;
         let close = if text[..end].ends_with('/') { "/" } else { "" };
-        // This attribute is in neither.
-        let suites = text[end..].replace(" disabled=\"0\"", "");
+        // Both have another name for this attribute, and ask for none.
+        let suites = text[end..].replace(" disabled=\"0\"", "").replace(" disabled=\"", " skipped=\"");
         Ok(format!("{}<testsuites{close}{suites}", &text[..begin]))
+    }
+
+    /// The case of a session.
+    fn case(&self, outcome: &SessionOutcome, number: &str) -> TestCase {
+        let name = legal(&format!("{}{number}", outcome.session));
+        let status = match outcome.outcome {
+            Outcome::Passed => TestCaseStatus::success(),
+            Outcome::Failed => {
+                let shrunk = self.failures.iter().find(|failure| failure.session == outcome.session);
+                let level = shrunk.map_or("session", |failure| failure.level.name());
+                let requirement = outcome.requirement.as_deref().unwrap_or_default();
+                let text = shrunk.map_or_else(|| format!("config {}", outcome.config), Failure::text);
+                let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
+                status.set_type(level).set_message(legal(&format!("{requirement}: {}", outcome.says)));
+                status.set_description(legal(&text));
+                status
+            }
+            Outcome::Waived | Outcome::NotSupported | Outcome::OutOfTime | Outcome::LeftOut => {
+                TestCaseStatus::skipped()
+            }
+        };
+        let mut case = TestCase::new(name, status);
+        case.set_time(Duration::try_from_secs_f64(outcome.seconds).unwrap_or_default());
+        case
     }
 
     /// A suite with all that a schema asks for.
     fn suite(&self, row: &str, cases: Vec<TestCase>, seconds: f64) -> TestSuite {
-        let name = format!("{}.{row}", self.kind);
-        let time = Duration::try_from_secs_f64(seconds).unwrap_or_default();
+        let name = legal(&format!("{}.{row}", self.kind));
         let mut suite = TestSuite::new(name.as_str());
-        suite.set_time(time).set_system_out("").set_system_err("");
-        suite.add_property(Property::new("dut", self.dut.as_str()));
-        suite.add_property(Property::new("headline", self.headline()));
-        let time = time / u32::try_from(cases.len()).unwrap_or(1).max(1);
+        suite.set_time(Duration::try_from_secs_f64(seconds).unwrap_or_default());
+        suite.set_system_out("").set_system_err("");
+        suite.add_property(Property::new("dut", legal(&self.dut)));
+        suite.add_property(Property::new("headline", legal(&self.headline())));
         for mut case in cases {
-            case.set_classname(name.as_str()).set_time(time);
-            suite.add_test_case(case);
+            case.set_classname(name.as_str());
+            let time = case.time.unwrap_or_default();
+            suite.add_test_case(case.set_time(time).clone());
         }
         suite
     }
+}
+
+/// Whether a case has the name of a session, perhaps with a number behind it.
+fn is_named(case: &str, session: &str) -> bool {
+    let session = legal(session);
+    case.strip_prefix(session.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(" ("))
+}
+
+/// Text with the characters alone that XML 1.0 has; others as `\\u{1b}`.
+fn legal(text: &str) -> String {
+    let is_legal = |c: char| matches!(c, '\t' | '\n' | '\r' | ' '..='\u{fffd}' | '\u{10000}'..);
+    let mut legal = String::with_capacity(text.len());
+    for c in text.chars() {
+        if is_legal(c) { legal.push(c) } else { legal.extend(c.escape_unicode()) }
+    }
+    legal
 }

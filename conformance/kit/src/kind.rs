@@ -44,11 +44,20 @@ pub trait Kind: Sync {
     /// So many random requests of a seed, each with its newline, for that configuration.
     fn random_requests(&self, config: &str, seed: u64, count: usize) -> Vec<u8>;
 
+    /// The name of the random session of a seed.
+    fn random_name(&self, seed: u64) -> String {
+        format!("{}/random/{seed}", self.prefix())
+    }
+
     /// The random session of a seed.
     fn random(&self, seed: u64, requests: usize) -> Session {
         let config = self.random_config(seed);
-        let name = format!("{}/random/{seed}", self.prefix());
-        Session::new(&name, self.hello(), &config, &self.random_requests(&config, seed, requests))
+        Session::new(
+            &self.random_name(seed),
+            self.hello(),
+            &config,
+            &self.random_requests(&config, seed, requests),
+        )
     }
 
     /// Sessions of recorded frames, each of at most so many of its reads; none where there are no traces.

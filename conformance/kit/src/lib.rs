@@ -61,6 +61,9 @@
 //! | [`shrink`] | delta debugging |
 //! | [`coverage`] | what sessions exercise |
 //! | [`report`] | what was found; its form for CI systems is in `junit` |
+//! | [`requirements`] | the texts of the requirements |
+//! | [`shown`] | lines as a person sees them |
+//! | [`waive`] | failures that are known |
 //! | [`templates`] | implementations to copy, and faults to plant into them |
 //! | [`error`] | what is wrong with input, where, and what would be right |
 
@@ -88,16 +91,19 @@ pub mod plan;
 #[cfg(unix)]
 pub mod process;
 pub mod report;
+pub mod requirements;
 pub mod run;
 pub mod scoreboard;
 pub mod server;
 pub mod session;
 #[cfg(unix)]
 pub mod shared_library;
+pub mod shown;
 pub mod shrink;
 pub mod suites;
 mod summary;
 pub mod target;
 pub mod templates;
 pub mod vm;
+pub mod waive;
 mod words;

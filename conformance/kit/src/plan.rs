@@ -5,6 +5,7 @@ use crate::kind::Kind;
 use crate::kinds::{KINDS, kind_of_hello};
 use crate::level::Level;
 use crate::session::Session;
+use crate::waive::Waivers;
 
 /// Requests of all random sessions together (Assumed), where nothing is said.
 pub const RANDOM_REQUESTS: usize = 2_000_000;
@@ -29,6 +30,8 @@ pub struct Options {
     pub requests: usize,
     /// By how many thousandths a timing may be off.
     pub tolerance: u32,
+    /// Failures that do not count.
+    pub waivers: Waivers,
 }
 
 impl Options {
@@ -40,9 +43,20 @@ impl Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { level: None, errors: ERRORS, seed: 0, requests: RANDOM_REQUESTS, tolerance: 0 }
+        Self {
+            level: None,
+            errors: ERRORS,
+            seed: 0,
+            requests: RANDOM_REQUESTS,
+            tolerance: 0,
+            waivers: Waivers::default(),
+        }
     }
 }
+
+/// Rows of the report for sessions that are about no requirement.
+const RANDOM: &str = "random";
+const GIVEN: &str = "frames, files";
 
 /// A session to be run.
 #[derive(Clone, Debug)]
@@ -131,6 +145,24 @@ pub fn sessions_named(name: &str, requests: usize) -> Result<(&'static dyn Kind,
 }
 
 impl PlannedSession {
+    /// The session's name.
+    #[must_use]
+    pub fn name(&self, kind: &dyn Kind) -> String {
+        match self {
+            Self::Directed(session) => session.name.clone(),
+            Self::Random { seed, .. } => kind.random_name(*seed),
+        }
+    }
+
+    /// The row of the report that counts it: its requirement, `random`, or `frames, files`.
+    #[must_use]
+    pub fn row(&self) -> &str {
+        match self {
+            Self::Directed(session) => session.requirement.as_deref().unwrap_or(GIVEN),
+            Self::Random { .. } => RANDOM,
+        }
+    }
+
     /// The session, which is made where it is random.
     pub(crate) fn session(&self, kind: &dyn Kind, options: &Options) -> Session {
         let session = match self {

@@ -15,6 +15,8 @@ use std::io::{ErrorKind, Read, Write};
 use std::os::fd::AsFd;
 use std::path::PathBuf;
 use std::process::{ChildStderr, ChildStdin, ChildStdout, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Bytes that are read and written at a time: what a pipe holds.
@@ -32,15 +34,90 @@ const ANSWERS_PER_LOOK: usize = 4;
 /// Time between two checks of a process that is about to exit.
 const EXIT_POLL: Duration = Duration::from_millis(1);
 
-/// A command line that is started once for each session.
-#[derive(Clone, Debug)]
+/// The part of their time that sessions have once one has hung.
+const HURRIED: u32 = 4;
+
+const AFTER_END: &str = "output after the answer to 'end'";
+
+/// A command line that is started for a session, or for several where it offers that.
+#[derive(Debug)]
 pub struct Process {
-    /// The command line, for a shell.
-    pub command: String,
-    /// The folder that it is started in; none for the present one.
-    pub folder: Option<PathBuf>,
-    /// Time that a session may take.
-    pub time_limit: Duration,
+    command: String,
+    folder: Option<PathBuf>,
+    time_limit: Duration,
+    /// Whether it has answered anything: then it can be started, whatever status it ends with.
+    has_answered: AtomicBool,
+    /// Whether it offers several sessions a process.
+    offers_sessions: AtomicBool,
+    /// Whether sessions have only a [`HURRIED`] part of their time.
+    is_hurried: AtomicBool,
+    /// Processes that wait for their next session.
+    idle: Mutex<Vec<RunningProcess>>,
+}
+
+impl Process {
+    /// The command line, for a shell, in a folder, or in the present one; and the time that a session may take.
+    #[must_use]
+    pub fn new(command: String, folder: Option<PathBuf>, time_limit: Duration) -> Self {
+        Self {
+            command,
+            folder,
+            time_limit,
+            has_answered: AtomicBool::new(false),
+            offers_sessions: AtomicBool::new(false),
+            is_hurried: AtomicBool::new(false),
+            idle: Mutex::default(),
+        }
+    }
+
+    fn idle(&self) -> MutexGuard<'_, Vec<RunningProcess>> {
+        self.idle.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Holds the conversation with a process; `is_last` where no other session is to follow in it.
+    fn hold(
+        &self,
+        mut running: RunningProcess,
+        session: &Session,
+        scoreboard: &mut Scoreboard<'_>,
+        deadline: &Deadline,
+        is_last: bool,
+    ) -> Result<ConversationEnd, Error> {
+        // Before the offer is known, the end of its input may be what it waits for.
+        running.stays = !is_last && self.offers_sessions.load(Ordering::Relaxed);
+        let is_hurried = self.is_hurried.load(Ordering::Relaxed);
+        let limit = if is_hurried { self.time_limit / HURRIED } else { self.time_limit };
+        let timeout = match running.hold(session.text(), scoreboard, limit, deadline)? {
+            // With all of its time it might have been quick enough.
+            Some(Timeout::Slow) if is_hurried => Some(Timeout::Stopped),
+            timeout => timeout,
+        };
+        self.offers_sessions.fetch_or(scoreboard.offers_sessions(), Ordering::Relaxed);
+        if running.stays && scoreboard.stage() == Stage::Ended && timeout.is_none() {
+            self.idle().push(running);
+            return Ok(ConversationEnd::default());
+        }
+        // None where it has ended, and where it does not matter any more.
+        let ended = running.group.end()?;
+        running.group.kill();
+        running.read_stderr();
+        let stderr = String::from_utf8_lossy(&running.stderr_tail).into_owned();
+        if running.has_answered {
+            self.has_answered.store(true, Ordering::Relaxed);
+        }
+        match ended {
+            Some(end) if end.is_not_started() && !self.has_answered.load(Ordering::Relaxed) => {
+                let command = self.command.clone();
+                Err(Error::NotStarted { command, why: format!("it {end}: {}", one_line(&stderr)) })
+            }
+            _ => Ok(ConversationEnd { timeout, stderr, is_used: false }),
+        }
+    }
+}
+
+/// Text as one line.
+fn one_line(text: &str) -> String {
+    text.lines().map(str::trim).collect::<Vec<_>>().join(" | ")
 }
 
 impl Dut for Process {
@@ -50,19 +127,37 @@ impl Dut for Process {
         scoreboard: &mut Scoreboard<'_>,
         deadline: &Deadline,
     ) -> Result<ConversationEnd, Error> {
-        let mut running = RunningProcess::start(self)?;
-        let timeout = running.hold(session.text(), scoreboard, self.time_limit, deadline)?;
-        running.group.kill();
-        running.read_stderr();
-        Ok(ConversationEnd { timeout, stderr: String::from_utf8_lossy(&running.stderr_tail).into_owned() })
+        let idle = self.idle().pop();
+        let is_used = idle.is_some();
+        let running = idle.map_or_else(|| RunningProcess::start(self), Ok)?;
+        let end = self.hold(running, session, scoreboard, deadline, false)?;
+        Ok(ConversationEnd { is_used, ..end })
+    }
+
+    fn converse_alone(
+        &self,
+        session: &Session,
+        scoreboard: &mut Scoreboard<'_>,
+        deadline: &Deadline,
+    ) -> Result<ConversationEnd, Error> {
+        self.hold(RunningProcess::start(self)?, session, scoreboard, deadline, true)
     }
 
     fn time_limit(&self) -> Option<Duration> {
         Some(self.time_limit)
     }
+
+    fn hurry(&self) {
+        self.is_hurried.store(true, Ordering::Relaxed);
+    }
+
+    fn finish(&self) {
+        self.idle().clear();
+    }
 }
 
 /// A process with its pipes.
+#[derive(Debug)]
 struct RunningProcess {
     group: ProcessGroup,
     stdin: Option<ChildStdin>,
@@ -72,6 +167,10 @@ struct RunningProcess {
     answers: Vec<u8>,
     pending: usize,
     stderr_tail: Vec<u8>,
+    /// Its input stays open behind the last request, for another session.
+    stays: bool,
+    /// It has answered something.
+    has_answered: bool,
 }
 
 /// What a read of standard output gave.
@@ -98,6 +197,8 @@ impl RunningProcess {
             answers: vec![0; BUFFER],
             pending: 0,
             stderr_tail: Vec::new(),
+            stays: false,
+            has_answered: false,
         };
         nonblocking(&running.stdout)?;
         running.stdin.as_ref().map_or(Ok(()), nonblocking)?;
@@ -116,7 +217,23 @@ impl RunningProcess {
         let ends = Instant::now() + limit;
         let mut last_answer = Instant::now();
         let mut sent = 0;
+        self.stderr_tail.clear();
         while !matches!(scoreboard.stage(), Stage::Broken | Stage::Unsupported) {
+            match scoreboard.stage() {
+                Stage::Hello => {}
+                Stage::Ended if self.stays => {
+                    if self.pending > 0 {
+                        scoreboard.misbehaves("P-4", AFTER_END);
+                    }
+                    return Ok(None);
+                }
+                _ if self.stays && !scoreboard.offers_sessions() => {
+                    // It has offered them before: now the end of its input is due.
+                    self.stays = false;
+                    self.stdin.take_if(|_| sent == text.len());
+                }
+                _ => {}
+            }
             let left = ends.saturating_duration_since(Instant::now());
             if left.is_zero() {
                 let silent = last_answer.elapsed() > limit / 2;
@@ -125,7 +242,7 @@ impl RunningProcess {
             if deadline.has_come() {
                 return Ok(Some(Timeout::Stopped));
             }
-            self.wait(left.min(deadline.left()).min(STOP_POLL));
+            self.wait(left.min(deadline.left()).min(STOP_POLL), sent < text.len());
             // What the model takes for its own answers counts too.
             let is_over = || Instant::now() >= ends || deadline.has_come();
             match self.read_answers(scoreboard, sent, &is_over) {
@@ -150,11 +267,11 @@ impl RunningProcess {
         Timeout::Hung
     }
 
-    /// Waits until something can be read or written.
-    fn wait(&self, left: Duration) {
+    /// Waits until something can be read, or written if there is more.
+    fn wait(&self, left: Duration, is_more: bool) {
         let mut fds = vec![PollFd::new(&self.stdout, PollFlags::IN)];
         fds.extend(self.stderr.as_ref().map(|stderr| PollFd::new(stderr, PollFlags::IN)));
-        fds.extend(self.stdin.as_ref().map(|stdin| PollFd::new(stdin, PollFlags::OUT)));
+        fds.extend(self.stdin.as_ref().filter(|_| is_more).map(|stdin| PollFd::new(stdin, PollFlags::OUT)));
         let left = Timespec { tv_sec: left.as_secs() as i64, tv_nsec: i64::from(left.subsec_nanos()) };
         // Where it fails, the next look at the clock decides.
         let _ = poll(&mut fds, Some(&left));
@@ -183,6 +300,7 @@ impl RunningProcess {
             }
             Err(_) => return ReadOutcome::EndOfFile,
         };
+        self.has_answered = true;
         let end = self.pending + read;
         let mut begin = 0;
         for number in 1.. {
@@ -214,9 +332,10 @@ impl RunningProcess {
         }
     }
 
-    /// Sends what fits into the pipe, and closes it after the last byte; says how much was sent.
+    /// Sends what fits into the pipe, and closes it after the last byte where the process does not stay; says how
+    /// much was sent.
     fn write(&mut self, rest: &[u8]) -> usize {
-        let Some(stdin) = &mut self.stdin else { return 0 };
+        let Some(stdin) = self.stdin.as_mut().filter(|_| !rest.is_empty()) else { return 0 };
         let sent = match stdin.write(&rest[..rest.len().min(BUFFER)]) {
             Ok(sent) => sent,
             Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => return 0,
@@ -226,7 +345,7 @@ impl RunningProcess {
                 return 0;
             }
         };
-        if sent == rest.len() {
+        if sent == rest.len() && !self.stays {
             self.stdin = None;
         }
         sent
@@ -256,7 +375,7 @@ impl RunningProcess {
             let more = if self.pending > 0 { ", in the middle of an answer" } else { "" };
             scoreboard.silent("P-7", &format!("the implementation {how}{more}"));
         } else if self.pending > 0 {
-            scoreboard.misbehaves("P-4", "output after the answer to 'end'");
+            scoreboard.misbehaves("P-4", AFTER_END);
         } else if exit.is_none() {
             scoreboard.misbehaves("P-6", "does not end within the time limit after 'end'");
             return Ok(Some(Timeout::Hung));

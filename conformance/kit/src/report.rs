@@ -2,7 +2,9 @@
 
 use crate::coverage::CoverageCount;
 use crate::level::Level;
+use crate::shown::{differences, marks, visible};
 use serde::Serialize;
+use std::ops::Range;
 
 /// Version of the report's form in JSON: raised where a field changes its meaning or goes.
 pub const SCHEMA_VERSION: u32 = 2;
@@ -16,6 +18,10 @@ pub struct ConformanceReport {
     pub dut: String,
     /// Its kind.
     pub kind: String,
+    /// The hello of the kind, with the version of the protocol.
+    pub protocol: String,
+    /// The first seed of the random sessions.
+    pub seed: u64,
     /// The verdict.
     pub verdict: ConformanceVerdict,
     /// The highest level that was passed, and so were all below it.
@@ -36,10 +42,14 @@ pub struct ConformanceReport {
     pub unsupported: Vec<UnsupportedKey>,
     /// What the sessions exercise of the model.
     pub coverage: Vec<CoverageCount>,
+    /// Each session that was planned, in the order of the plan.
+    pub outcomes: Vec<SessionOutcome>,
     /// Sessions that were run.
     pub sessions: usize,
-    /// Sessions that fail.
+    /// Sessions that fail, but for those whose failure does not count.
     pub errors: usize,
+    /// Sessions whose failure does not count.
+    pub waived: usize,
     /// Requests that were answered.
     pub requests: u64,
     /// Requests of the random sessions that were answered.
@@ -48,6 +58,60 @@ pub struct ConformanceReport {
     pub random_seconds: f64,
     /// Why sessions were left out, if some were.
     pub stopped: Option<String>,
+}
+
+/// What became of a session.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SessionOutcome {
+    /// Its name; of a random session it ends with the seed.
+    pub session: String,
+    /// The row of [`ConformanceReport::requirements`] that counts it.
+    pub row: String,
+    /// Its configuration; empty where it was left out.
+    pub config: String,
+    /// Its outcome.
+    pub outcome: Outcome,
+    /// Requests that were answered.
+    pub requests: usize,
+    /// Seconds that it took.
+    pub seconds: f64,
+    /// The requirement that is broken, where it fails.
+    pub requirement: Option<String>,
+    /// What differs, why that does not count, or what is not supported; empty where it passes.
+    pub says: String,
+}
+
+/// The outcome of a session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// All agrees.
+    Passed,
+    /// Something differs.
+    Failed,
+    /// Something differs, and that does not count.
+    Waived,
+    /// Its configuration is not supported.
+    NotSupported,
+    /// There was too little time to judge it.
+    OutOfTime,
+    /// It was not run.
+    LeftOut,
+}
+
+impl Outcome {
+    /// The outcome in words.
+    #[must_use]
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Passed => "passed",
+            Self::Failed => "failed",
+            Self::Waived => "waived",
+            Self::NotSupported => "not supported",
+            Self::OutOfTime => "out of time",
+            Self::LeftOut => "left out",
+        }
+    }
 }
 
 /// The verdict on an implementation.
@@ -139,6 +203,8 @@ pub enum NotJudgedReason {
     NotSupported,
     /// Sessions were left out, or had too little time.
     LeftOut,
+    /// They fail, and that is known and does not count.
+    Waived,
 }
 
 /// Values that are shown.
@@ -157,7 +223,9 @@ impl NotJudged {
     fn name(&self) -> String {
         match self.why {
             NotJudgedReason::NotSupported => self.shown_values(),
-            NotJudgedReason::NotObserved | NotJudgedReason::LeftOut => self.what.clone(),
+            NotJudgedReason::NotObserved | NotJudgedReason::LeftOut | NotJudgedReason::Waived => {
+                self.what.clone()
+            }
         }
     }
 
@@ -170,6 +238,9 @@ impl NotJudged {
             NotJudgedReason::NotObserved => format!(" with {}", self.shown_values()),
             NotJudgedReason::NotSupported => format!(" (not supported; {share})"),
             NotJudgedReason::LeftOut => format!(" ({} of {})", self.sessions, self.of),
+            NotJudgedReason::Waived => {
+                format!(" that fail and are waived ({} of {})", self.sessions, self.of)
+            }
         }
     }
 }
@@ -211,6 +282,8 @@ pub struct RequirementResult {
 pub struct Failure {
     /// The requirement that is broken.
     pub requirement: String,
+    /// What it demands, as SPEC.md or PROTOCOL.md has it; empty where it has none.
+    pub demands: String,
     /// The lowest level that fails.
     pub level: Level,
     /// The session that was shrunk.
@@ -277,10 +350,19 @@ impl Failure {
         format!("shrunk from {}{more}", self.found_requests)
     }
 
+    /// Where what came differs from what was expected, in bytes of `got`.
+    #[must_use]
+    pub fn differences(&self) -> Vec<Range<usize>> {
+        differences(&self.expected, &self.got)
+    }
+
     /// The failure for a person, over several lines.
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = format!("{} at level {}: {}\n", self.requirement, self.level, self.says);
+        if !self.demands.is_empty() {
+            text += &format!("  demands   {}\n", self.demands);
+        }
         if !self.idea.is_empty() {
             text += &format!("  idea      {} ({})\n", self.idea, self.session);
         }
@@ -288,13 +370,16 @@ impl Failure {
         self.minimal.iter().for_each(|line| text += &format!("    {line}\n"));
         text +=
             &format!("  asked     {}\n  expected  {}\n  got       {}\n", self.asked, self.expected, self.got);
+        if let Some(marks) = marks(&self.got, &self.differences()) {
+            text += &format!("            {marks}\n");
+        }
         if !self.state_before.is_empty() {
             text += "  before\n";
             self.state_before.iter().for_each(|row| text += &format!("    {row}\n"));
         }
         if !self.stderr.is_empty() {
             text += "  stderr ends with\n";
-            self.stderr.lines().for_each(|line| text += &format!("    {line}\n"));
+            self.stderr.lines().for_each(|line| text += &format!("    {}\n", visible(line.as_bytes())));
         }
         if let Some(replay) = &self.replay {
             text += &format!("  again     {replay}\n");

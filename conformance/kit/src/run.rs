@@ -3,13 +3,14 @@
 use crate::deadline::Deadline;
 use crate::dut::Dut;
 use crate::error::Error;
-use crate::execution::{Execution, Run, SessionResult};
+use crate::execution::{Execution, FRESH, Run, SessionResult, requirement};
 use crate::kind::Kind;
 use crate::kinds::{KINDS, kind_of_hello};
 use crate::level::Level;
 use crate::plan::{Options, PlannedSession, default_suite};
 use crate::report::{ConformanceReport, Failure, shown_lines};
-use crate::scoreboard::{Finding, Scoreboard};
+use crate::requirements;
+use crate::scoreboard::{Finding, SESSIONS, Scoreboard};
 use crate::session::Session;
 use crate::shrink::{ShrinkResult, shrink};
 use crate::summary::Summary;
@@ -25,10 +26,11 @@ pub fn kind_of(dut: &dyn Dut) -> Result<Option<&'static dyn Kind>, Error> {
         let session = default_suite(*kind, &options)?;
         let session = session.first().ok_or("a kind has sessions")?.session(*kind, &options);
         let mut scoreboard = Scoreboard::new(*kind, &session, Level::Protocol);
-        let ending = dut.converse(&session, &mut scoreboard, &Deadline::never())?;
+        let ending = dut.converse_alone(&session, &mut scoreboard, &Deadline::never())?;
         let refused = scoreboard.findings().iter().find(|finding| finding.asked == kind.hello());
         let Some(finding) = refused else { return Ok(Some(*kind)) };
-        if let Some(named) = kind_of_hello(finding.got.as_bytes()) {
+        let got = finding.got.as_bytes();
+        if let Some(named) = kind_of_hello(got.strip_suffix(SESSIONS).unwrap_or(got)) {
             return Ok(Some(named));
         }
         if ending.timeout.is_some() {
@@ -51,7 +53,9 @@ pub fn run(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<ConformanceReport, Error> {
     let run = Run { dut, kind, planned, options };
-    let Execution { results, stopped, random_seconds, shrinking } = run.execute(progress)?;
+    let executed = run.execute(progress);
+    dut.finish();
+    let Execution { results, stopped, random_seconds, shrinking } = executed?;
     let failures = failures(&run, &results, &shrinking)?;
     Ok(Summary { name, run: &run, results: &results }.report(failures, stopped, random_seconds))
 }
@@ -63,8 +67,7 @@ const SHOWN_FAILURES: usize = 8;
 fn failures(run: &Run<'_>, results: &[SessionResult], deadline: &Deadline) -> Result<Vec<Failure>, Error> {
     let mut chosen: Vec<(usize, &Finding)> = Vec::new();
     for (place, session) in results.iter().enumerate() {
-        // The lowest level: those above follow from it.
-        let Some(finding) = session.findings.iter().min_by_key(|finding| finding.level) else { continue };
+        let Some(finding) = session.lowest().filter(|_| session.fails()) else { continue };
         let same = |&(other, known): &(usize, &Finding)| {
             let row = &results[other].row;
             row == &session.row && known.level == finding.level && known.requirement == finding.requirement
@@ -91,7 +94,7 @@ fn failure(
     let mut trouble = None;
     let mut fails = |session: &Session| {
         let mut scoreboard = Scoreboard::new(kind, session, options.highest());
-        if let Err(error) = dut.converse(session, &mut scoreboard, deadline) {
+        if let Err(error) = dut.converse_alone(session, &mut scoreboard, deadline) {
             trouble.get_or_insert(error);
             return None;
         }
@@ -101,8 +104,8 @@ fn failure(
     };
     // A long session is not kept beside the one that it is shrunk to.
     let ShrinkResult { session: minimal, finding, cut_short } =
-        if result.timeout.is_some() || deadline.has_come() {
-            // Each try would take the time limit again: only the requests behind the failing one are left out.
+        if result.timeout.is_some() || finding.requirement == FRESH || deadline.has_come() {
+            // Each try would take the time limit again, or would pass: only the requests behind the failing one are left out.
             let session = session.with_requests(session.requests().take(finding.asked_by_then()));
             ShrinkResult { session, finding: finding.clone(), cut_short: true }
         } else {
@@ -111,8 +114,10 @@ fn failure(
     if let Some(error) = trouble {
         return Err(error);
     }
+    let broken = requirement(&minimal, &finding);
     Ok(Failure {
-        requirement: requirement(&minimal, &finding),
+        demands: requirements::text(&broken).unwrap_or_default().to_owned(),
+        requirement: broken,
         level: finding.level,
         session: minimal.name.clone(),
         row: result.row.clone(),
@@ -131,17 +136,3 @@ fn failure(
         replay: None,
     })
 }
-
-/// The requirement that a session fails for. A directed session fails for its own, whatever differs, with these
-/// exceptions: wrong bytes, unless it is about bytes; a conversation that breaks off, unless it is about answers
-/// and their form; and the bytes of an entry of metadata.
-fn requirement(session: &Session, finding: &Finding) -> String {
-    let own = finding.requirement.to_owned();
-    let Some(about) = session.requirement.clone() else { return own };
-    let of_bytes = finding.level == Level::Data && session.level != Some(Level::Data);
-    let breaks_off = finding.level == Level::Protocol && !(about.starts_with("P-") && own == "P-5");
-    if breaks_off || of_bytes || own == ENTRY_BYTES { own } else { about }
-}
-
-/// The requirement of what an entry of metadata consists of.
-const ENTRY_BYTES: &str = "VM-12";

@@ -9,6 +9,7 @@ use crate::error::Error;
 use crate::kind::Kind;
 use crate::level::Level;
 use crate::session::Session;
+use crate::shown::{shown, shown_beside};
 use serde::Serialize;
 
 /// The first difference of a session at a level.
@@ -43,6 +44,9 @@ impl Finding {
     }
 }
 
+/// What follows the hello in the answer of an implementation that offers several sessions a process.
+pub(crate) const SESSIONS: &[u8] = b" sessions";
+
 /// The stage of a conversation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
@@ -71,6 +75,8 @@ pub struct Scoreboard<'a> {
     answered: usize,
     findings: Vec<Finding>,
     unsupported: Option<String>,
+    /// Whether other sessions may follow in the same process.
+    offers_sessions: bool,
     /// Parts of an answer that the implementation does not observe.
     unobserved: Vec<&'static str>,
     /// Nothing above is judged.
@@ -90,6 +96,7 @@ impl<'a> Scoreboard<'a> {
             answered: 0,
             findings: Vec::new(),
             unsupported: None,
+            offers_sessions: false,
             unobserved: Vec::new(),
             highest: session.level.map_or(highest, |level| level.min(highest)),
         }
@@ -125,6 +132,12 @@ impl<'a> Scoreboard<'a> {
     #[must_use]
     pub fn unsupported(&self) -> Option<&str> {
         self.unsupported.as_deref()
+    }
+
+    /// Whether the implementation offers that other sessions follow in the same process.
+    #[must_use]
+    pub fn offers_sessions(&self) -> bool {
+        self.offers_sessions
     }
 
     /// Whether a level can be judged by what the implementation observes; not known before it has
@@ -189,11 +202,11 @@ impl<'a> Scoreboard<'a> {
             }
         });
         if let Err(right) = compared {
-            let expected = String::from_utf8_lossy(comparison.expected()).into_owned();
-            return self.broken("P-5", &expected, line, &right.to_string());
+            let (expected, got) = shown_beside(comparison.expected(), line);
+            return self.broken_with("P-5", expected, got, right.to_string());
         }
         if let Some(found) = found {
-            let expected = shown(comparison.expected());
+            let (expected, got) = shown_beside(comparison.expected(), line);
             for difference in found {
                 self.findings.push(Finding {
                     level: difference.level,
@@ -201,7 +214,7 @@ impl<'a> Scoreboard<'a> {
                     request: Some(self.answered),
                     asked: shown(request),
                     expected: expected.clone(),
-                    got: shown(line),
+                    got: got.clone(),
                     says: difference.says,
                 });
             }
@@ -210,10 +223,26 @@ impl<'a> Scoreboard<'a> {
     }
 
     fn hello(&mut self, line: &[u8]) {
-        if line == self.session.hello().as_bytes() {
-            self.stage = Stage::Config;
-        } else {
-            self.broken("P-1", self.session.hello(), line, "a hello is answered by the same line");
+        let hello = self.session.hello();
+        let (name, version) = hello.rsplit_once(' ').unwrap_or((hello, ""));
+        let other =
+            std::str::from_utf8(line).ok().and_then(|line| line.strip_prefix(name)?.strip_prefix(' '));
+        match line.strip_prefix(hello.as_bytes()) {
+            Some(rest @ (b"" | SESSIONS)) => {
+                self.offers_sessions = rest == SESSIONS;
+                self.stage = Stage::Config;
+            }
+            _ => {
+                let says = match other.and_then(|other| other.split(' ').next()?.parse::<u32>().ok()) {
+                    Some(other) if other.to_string() != version => {
+                        format!(
+                            "it speaks version {other} of the protocol, and was asked for version {version}"
+                        )
+                    }
+                    _ => "a hello is answered by the same line".to_owned(),
+                };
+                self.broken("P-1", hello, line, &says);
+            }
         }
     }
 
@@ -246,6 +275,10 @@ impl<'a> Scoreboard<'a> {
     }
 
     fn broken(&mut self, requirement: &'static str, expected: &str, got: &[u8], says: &str) {
+        self.broken_with(requirement, expected.to_owned(), shown(got), says.to_owned());
+    }
+
+    fn broken_with(&mut self, requirement: &'static str, expected: String, got: String, says: String) {
         let asked = self.session.request_at(self.at).map_or("nothing".to_owned(), |(line, _)| shown(line));
         let in_requests = self.stage == Stage::Requests && asked != "end";
         self.stage = Stage::Broken;
@@ -254,9 +287,9 @@ impl<'a> Scoreboard<'a> {
             requirement,
             request: in_requests.then_some(self.answered),
             asked,
-            expected: expected.to_owned(),
-            got: shown(got),
-            says: says.to_owned(),
+            expected,
+            got,
+            says,
         });
     }
 }
@@ -303,16 +336,4 @@ pub fn check_answers(kind: &dyn Kind, session: &Session, answers: &[u8], level: 
         not_judged: levels[passed..].to_vec(),
         unsupported: scoreboard.unsupported().map(str::to_owned),
     }
-}
-
-/// Most characters of a line that are shown.
-const SHOWN: usize = 200;
-
-/// A line for a person: text, and not too much of it.
-fn shown(line: &[u8]) -> String {
-    let cut = &line[..line.len().min(SHOWN)];
-    let text = String::from_utf8_lossy(cut);
-    let text: String =
-        text.chars().map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect();
-    if cut.len() < line.len() { format!("{text}… ({} bytes)", line.len()) } else { text }
 }

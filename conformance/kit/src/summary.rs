@@ -5,9 +5,10 @@ use crate::deadline::Deadline;
 use crate::dut::Timeout;
 use crate::execution::{Run, SessionResult};
 use crate::level::Level;
+use crate::plan::PlannedSession;
 use crate::report::{
     ConformanceReport, ConformanceVerdict, Failure, LevelResult, LevelVerdict, NotJudged, NotJudgedReason,
-    RequirementResult, SCHEMA_VERSION, UnsupportedKey,
+    Outcome, RequirementResult, SCHEMA_VERSION, SessionOutcome, UnsupportedKey,
 };
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -34,7 +35,7 @@ impl Summary<'_> {
         let levels = self.levels();
         let passed = |level: &&LevelResult| level.verdict == LevelVerdict::Passed;
         let highest = levels.iter().take_while(passed).map(|level| level.level).last();
-        let errors = self.results.iter().filter(|result| !result.findings.is_empty()).count();
+        let errors = self.results.iter().filter(|result| result.fails()).count();
         let at_asked = levels.iter().find(|level| Some(level.level) == self.run.options.level);
         let slow = self.results.iter().any(|result| result.timeout == Some(Timeout::Slow));
         let judged = self.results.iter().any(|result| result.unsupported.is_none());
@@ -54,6 +55,8 @@ impl Summary<'_> {
             schema_version: SCHEMA_VERSION,
             dut: self.name.to_owned(),
             kind: self.run.kind.name().to_owned(),
+            protocol: self.run.kind.hello().to_owned(),
+            seed: self.run.options.seed,
             verdict,
             highest,
             asked: self.run.options.level,
@@ -64,8 +67,10 @@ impl Summary<'_> {
             failures,
             unsupported: self.unsupported(),
             coverage: self.coverage(errors > 0),
+            outcomes: self.outcomes(),
             sessions: self.results.len(),
             errors,
+            waived: self.waived().count(),
             requests: self.results.iter().map(|result| result.answered as u64).sum(),
             random_requests: random().map(|result| result.answered as u64).sum(),
             random_seconds,
@@ -77,14 +82,59 @@ impl Summary<'_> {
         }
     }
 
-    /// Sessions whose configuration is supported, and which had the time to answer.
+    /// Sessions whose configuration is supported, which had the time to answer, and whose result counts.
     fn held(&self) -> impl Iterator<Item = &SessionResult> {
-        self.results.iter().filter(|result| result.unsupported.is_none() && result.timeout.is_none())
+        let is_held = |result: &&SessionResult| {
+            result.unsupported.is_none() && result.timeout.is_none() && result.waived.is_none()
+        };
+        self.results.iter().filter(is_held)
+    }
+
+    fn waived(&self) -> impl Iterator<Item = &SessionResult> {
+        self.results.iter().filter(|result| result.waived.is_some())
+    }
+
+    /// What became of each session of the plan.
+    fn outcomes(&self) -> Vec<SessionOutcome> {
+        let mut results = self.results.iter().peekable();
+        let outcome = |(place, planned): (usize, &PlannedSession)| {
+            let Some(result) = results.next_if(|result| result.place == place) else {
+                return SessionOutcome {
+                    session: planned.name(self.run.kind),
+                    row: planned.row().to_owned(),
+                    config: String::new(),
+                    outcome: Outcome::LeftOut,
+                    requests: 0,
+                    seconds: 0.0,
+                    requirement: None,
+                    says: String::new(),
+                };
+            };
+            let says = result.lowest().map_or_else(String::new, |finding| finding.says.clone());
+            let (outcome, says) = match (&result.waived, &result.unsupported, result.timeout) {
+                (Some(reason), ..) => (Outcome::Waived, format!("{says}; waived: {reason}")),
+                (None, ..) if result.fails() => (Outcome::Failed, says),
+                (None, Some(key), _) => (Outcome::NotSupported, format!("{key} is not supported")),
+                (None, None, Some(_)) => (Outcome::OutOfTime, "too little time".to_owned()),
+                (None, None, None) => (Outcome::Passed, says),
+            };
+            SessionOutcome {
+                session: result.name.clone(),
+                row: result.row.clone(),
+                config: result.config.clone(),
+                outcome,
+                requests: result.answered,
+                seconds: result.seconds,
+                requirement: result.broken.clone(),
+                says,
+            }
+        };
+        self.run.planned.iter().enumerate().map(outcome).collect()
     }
 
     fn levels(&self) -> Vec<LevelResult> {
-        let lowest_failed =
-            self.results.iter().flat_map(|result| &result.findings).map(|finding| finding.level).min();
+        let failing = self.results.iter().filter(|result| result.fails());
+        let lowest_failed = failing.flat_map(|result| &result.findings).map(|finding| finding.level).min();
         let mut all_passed = true;
         let mut verdict = |&level: &Level| {
             let about = |result: &&SessionResult| result.level.is_none_or(|own| own >= level);
@@ -159,6 +209,16 @@ impl Summary<'_> {
                 values: Vec::new(),
             });
         }
+        let waived = self.waived().count();
+        if waived > 0 {
+            all.push(NotJudged {
+                what: "sessions".to_owned(),
+                why: NotJudgedReason::Waived,
+                sessions: waived,
+                of: self.run.planned.len(),
+                values: Vec::new(),
+            });
+        }
         all
     }
 
@@ -192,7 +252,7 @@ impl Summary<'_> {
                 rows.len() - 1
             });
             rows[place].sessions += 1;
-            rows[place].failed += usize::from(!result.findings.is_empty());
+            rows[place].failed += usize::from(result.fails());
         }
         rows
     }

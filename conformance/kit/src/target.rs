@@ -9,6 +9,7 @@ use crate::kind::{Kind, Oracle};
 use crate::kinds::{KINDS, kind_named};
 use crate::vm::Vm;
 use serde::Deserialize;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 #[cfg(unix)]
 use std::time::Duration;
@@ -147,14 +148,18 @@ pub struct Target {
     pub probe: Box<dyn Dut>,
     /// The command line that builds it, the folder of that, and the seconds that it may take.
     build: Option<(String, PathBuf, f64)>,
+    /// The shared library, where it is what is run.
+    library: Option<PathBuf>,
 }
 
 impl Target {
-    /// What `name` names: `model` or `naive`, a folder with `dut.toml`, or else a command line.
+    /// What `name` names: `model` or `naive`, a folder with `dut.toml`, or else a command line, which is text.
     ///
     /// # Errors
     /// Where `dut.toml` cannot be read, or is wrong.
-    pub fn open(name: &str, how: &TargetOptions) -> Result<Self, Error> {
+    pub fn open(name: impl AsRef<OsStr>, how: &TargetOptions) -> Result<Self, Error> {
+        let (folder, name) = (Path::new(&name), name.as_ref().to_string_lossy());
+        let name = &*name;
         let oracle = match name {
             "model" => Some(Oracle::Model),
             "naive" => Some(Oracle::Naive),
@@ -168,6 +173,7 @@ impl Target {
             dut,
             probe,
             build: None,
+            library: None,
         };
         if let Some(oracle) = oracle {
             let dut = || Box::new(InProcess::oracle(oracle));
@@ -176,8 +182,10 @@ impl Target {
             }
             return Ok(target(dut(), dut()));
         }
-        let folder = Path::new(name);
         if !folder.is_dir() {
+            if folder.to_str().is_none() {
+                return Err(Error::from("no folder, and a command line has to be UTF-8").within(name));
+            }
             if name.trim().is_empty() {
                 return Err("no implementation: name a folder with dut.toml, or a command line".into());
             }
@@ -194,13 +202,15 @@ impl Target {
             .map_err(Error::system(format!("{shown}: cannot be read; a folder is named that has one")))?;
         let file = DutFile::parse(&text).map_err(|wrong| wrong.within(shown.to_string()))?;
         let limit = how.time_limit.unwrap_or(file.time_limit);
-        let command = match (file.command, file.library) {
+        let (command, library) = match (file.command, file.library) {
             (_, None) if how.takes_library => {
                 return Err(Error::from("names no library").within(shown.to_string()));
             }
-            (Some(command), _) if !how.takes_library => command,
+            (Some(command), _) if !how.takes_library => (command, None),
             (_, library) => {
-                format!("exec {} {}", how.library_server, shell_word(&library.unwrap_or_default()))
+                let library = library.unwrap_or_default();
+                let command = format!("exec {} {}", how.library_server, shell_word(&library));
+                (command, Some(folder.join(library)))
             }
         };
         Ok(Self {
@@ -211,18 +221,27 @@ impl Target {
             dut: process(command.clone(), Some(folder.to_owned()), limit)?,
             probe: process(command, Some(folder.to_owned()), limit.min(PROBE_LIMIT))?,
             build: file.build.map(|build| (build, folder.to_owned(), file.build_limit)),
+            library,
         })
     }
 
     /// Builds the implementation, where `dut.toml` says how.
     ///
     /// # Errors
-    /// Where the build fails, with the end of its output; where it takes too long, or writes without end.
+    /// Where the build fails, with the end of its output; where it takes too long, or writes without end; where the
+    /// library is not there behind it.
     #[cfg(unix)]
     pub fn build(&self) -> Result<(), Error> {
-        let Some((command, folder, limit)) = &self.build else { return Ok(()) };
-        let time_limit = duration(*limit)?;
-        crate::build::Build { command: command.clone(), folder: folder.clone(), time_limit }.run()
+        if let Some((command, folder, limit)) = &self.build {
+            let time_limit = duration(*limit)?;
+            crate::build::Build { command: command.clone(), folder: folder.clone(), time_limit }.run()?;
+        }
+        match &self.library {
+            Some(library) if !library.is_file() => {
+                Err(Error::from("the library of dut.toml is not there").within(library.display().to_string()))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Builds the implementation, where `dut.toml` says how.
@@ -237,7 +256,7 @@ impl Target {
 
 #[cfg(unix)]
 fn process(command: String, folder: Option<PathBuf>, limit: f64) -> Result<Box<dyn Dut>, Error> {
-    Ok(Box::new(crate::process::Process { command, folder, time_limit: duration(limit)? }))
+    Ok(Box::new(crate::process::Process::new(command, folder, duration(limit)?)))
 }
 
 #[cfg(unix)]
@@ -250,10 +269,22 @@ fn process(_: String, _: Option<PathBuf>, _: f64) -> Result<Box<dyn Dut>, Error>
     Err("implementations are started as processes on Unix only".into())
 }
 
-/// Whether a program is in the path, or is a path itself.
+/// Whether a program is in the path, or is a path itself, and may be executed.
 fn is_there(program: &str) -> bool {
     let path = std::env::var_os("PATH").unwrap_or_default();
-    std::env::split_paths(&path).any(|folder| folder.join(program).is_file())
+    std::env::split_paths(&path)
+        .map(|folder| folder.join(program))
+        .any(|file| file.is_file() && is_executable(&file))
+}
+
+#[cfg(unix)]
+fn is_executable(file: &Path) -> bool {
+    rustix::fs::access(file, rustix::fs::Access::EXEC_OK).is_ok()
+}
+
+#[cfg(not(unix))]
+fn is_executable(_: &Path) -> bool {
+    true
 }
 
 #[cfg(test)]
@@ -291,5 +322,7 @@ mod tests {
     #[test]
     fn programs_are_looked_for() {
         assert!(is_there("sh") && !is_there("no-such-program"));
+        // It is there, and may not be executed.
+        assert!(!is_there("/etc/passwd"));
     }
 }

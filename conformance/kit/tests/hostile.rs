@@ -16,7 +16,7 @@ fn report_on(command: &str) -> ConformanceReport {
 }
 
 fn report_within(time_limit: Duration, command: &str) -> ConformanceReport {
-    let dut = Process { command: command.to_owned(), folder: None, time_limit };
+    let dut = Process::new(command.to_owned(), None, time_limit);
     let options = Options { requests: 24, errors: 1, ..Options::default() };
     let planned = default_suite(&Vm, &options).expect("suites");
     run(command, &dut, &Vm, &planned, &options, &|_| ()).expect("it runs")
@@ -58,13 +58,99 @@ fn one_that_does_not_end_after_end() {
 fn one_that_dies() {
     for (command, how) in [
         ("exit 3", "status 3"),
-        ("no-such-program-at-all", "status 127"),
         ("kill -SEGV $$", "signal 11"),
         (&format!("{HELLO} printf 'm 0'; exit 0"), "in the middle"),
     ] {
         let (requirement, says) = rejected(command);
         assert!(requirement == "P-7" && says.contains(how), "{command}: {requirement} {says}");
     }
+}
+
+/// What starts nothing is no implementation; what was started once is one, whatever its status.
+#[test]
+fn one_that_is_not_there() {
+    let dut = |command: &str| Process::new(command.to_owned(), None, LIMIT);
+    let options = Options { requests: 0, ..Options::default() };
+    let planned = default_suite(&Vm, &options).expect("suites");
+    for (command, why) in [
+        ("no-such-program-at-all", "status 127"),
+        ("./no-such-folder/program 2> /dev/null", "status 127"),
+        ("/etc/passwd", "status 126"),
+        ("/etc", "status 126"),
+    ] {
+        let error =
+            run(command, &dut(command), &Vm, &planned, &options, &|_| ()).expect_err("nothing starts");
+        let says = error.to_string();
+        assert!(says.contains("cannot be started") && says.contains(why), "{command}: {says}");
+    }
+    let (requirement, says) = rejected("read x; echo saarcor-vm 1; exit 127");
+    assert!(requirement == "P-7" && says.contains("status 127"), "{says}");
+}
+
+/// One that answers reads by `m`, and a line of the shell for each `flush`.
+fn answering(flush: &str) -> String {
+    format!(
+        "while read x; do case $x in saarcor*) echo $x;; config*) echo ok observes=hit;; flush) {flush};; \
+         w*|i*) echo ok;; r*) echo m - - -;; end) echo end; exit;; esac; done"
+    )
+}
+
+/// Some sessions hang, and others fail: all are counted.
+#[test]
+fn one_that_hangs_in_some_sessions() {
+    let session = |name: &str, requests: &str| {
+        let config = "line=16 lines=8 ways=2 hash=low policy=lru";
+        let session = saarcor_kit::session::Session::new(name, "saarcor-vm 1", config, requests.as_bytes());
+        PlannedSession::Directed(Box::new(session))
+    };
+    let passes = |number: usize| session(&format!("passes {number}"), "r 0 1\n");
+    let hangs = |number: usize| session(&format!("hangs {number}"), "flush\n");
+    let fails = |number: usize| session(&format!("fails {number}"), "r 0 1\nr 0 1\n");
+    let planned: Vec<_> = (0..8).map(passes).chain((0..3).map(hangs)).chain((0..30).map(fails)).collect();
+    let dut = Process::new(answering("sleep 1000"), None, 4 * LIMIT);
+    let options = Options { errors: 100, ..Options::default() };
+    let report = run("some", &dut, &Vm, &planned, &options, &|_| ()).expect("it runs");
+    let requirements: Vec<_> = report.failures.iter().map(|failure| failure.requirement.as_str()).collect();
+    assert_eq!(requirements, ["P-8", "VM-6"]);
+    assert_eq!((report.sessions, report.errors, &report.stopped), (41, 33, &None));
+}
+
+/// Several sessions a process: each is held, and one that depends on those before it is found.
+#[test]
+fn one_that_holds_several_sessions() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let starts = folder.path().join("starts");
+    let offer = |more: &str| {
+        let hello = format!("echo saarcor-vm 1 sessions; {more}");
+        let once = answering(":").replace("echo $x", &hello).replace("echo end; exit", "echo end");
+        format!("echo >> {}; {once}", starts.display())
+    };
+    let limit = Duration::from_secs(60);
+    let planned: Vec<_> = (0..40)
+        .map(|number| {
+            let config = "line=16 lines=8 ways=2 hash=low policy=lru";
+            let name = format!("{number}");
+            let session =
+                saarcor_kit::session::Session::new(&name, "saarcor-vm 1", config, b"r 0 1\nr 40 1\n");
+            PlannedSession::Directed(Box::new(session))
+        })
+        .collect();
+    let report_on = |command: String| {
+        let dut = Process::new(command, None, limit);
+        run("several", &dut, &Vm, &planned, &Options::default(), &|_| ()).expect("it runs")
+    };
+    let report = report_on(offer(":"));
+    assert_eq!((report.errors, report.sessions), (0, 40), "{:?}", report.failures);
+    let started = std::fs::read_to_string(&starts).expect("a file").lines().count();
+    assert!(started <= 2 * rayon::current_num_threads() + 2, "{started}");
+    // The second session of a process hits what the first one read.
+    let remembers =
+        offer("n=$((n + 1))").replace("echo m - - -", "case $n in 1) echo m - - -;; *) echo h - -;; esac");
+    let report = report_on(remembers);
+    assert_eq!(report.failures[0].requirement, "P-9", "{}", report.failures[0].text());
+    // And one that offers them, and ends.
+    let ends = offer(":").replace("echo end;;", "echo end; exit;;");
+    assert_eq!(report_on(ends).failures[0].requirement, "P-9");
 }
 
 #[test]
@@ -119,7 +205,7 @@ fn one_that_answers_slowly_is_not_judged() {
     let slow = format!(
         "{HELLO} while read x; do case $x in end) echo end; exit;; *) echo ok; sleep 0.05; esac; done"
     );
-    let dut = Process { command: slow, folder: None, time_limit: LIMIT };
+    let dut = Process::new(slow, None, LIMIT);
     let session = saarcor_kit::session::Session::new(
         "slow",
         "saarcor-vm 1",

@@ -44,20 +44,33 @@ fn section(failure: &Failure) -> String {
         rows => format!("<dt>{name}</dt><dd><pre>{}</pre></dd>\n", escaped(rows)),
     };
     format!(
-        "<section>\n<h2>{} at level {}</h2>\n<p>{}</p>\n<p class=\"idea\">{} ({}; requests: {}, {})</p>\n\
+        "<section>\n<h2>{} at level {}</h2>\n<p>{}</p>\n<blockquote>{}</blockquote>\n<p class=\"idea\">{} ({}; requests: {}, {})</p>\n\
          <pre>{lines}</pre>\n<dl>\n{}{}{}{}{}{}</dl>\n</section>\n",
         escaped(&failure.requirement),
         failure.level,
         escaped(&failure.says),
+        escaped(&failure.demands),
         escaped(&failure.idea),
         escaped(&failure.session),
         failure.minimal_requests,
         escaped(&failure.shrunk()),
         part("asked", &failure.asked),
         part("expected", &failure.expected),
-        part("got", if failure.got.is_empty() { "nothing" } else { &failure.got }),
+        got(failure),
         part("state before", &failure.state_before.join("\n")),
         part("stderr ends with", &failure.stderr),
         part("run again", failure.replay.as_deref().unwrap_or_default()),
     )
+}
+
+/// What came, with the parts marked that differ.
+fn got(failure: &Failure) -> String {
+    let got = if failure.got.is_empty() { "nothing" } else { &failure.got };
+    let mut text = String::new();
+    let mut at = 0;
+    for part in failure.differences() {
+        let _ = write!(text, "{}<mark>{}</mark>", escaped(&got[at..part.start]), escaped(&got[part.clone()]));
+        at = part.end;
+    }
+    format!("<dt>got</dt><dd><pre>{text}{}</pre></dd>\n", escaped(&got[at..]))
 }

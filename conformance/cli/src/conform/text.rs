@@ -1,8 +1,9 @@
 //! The report as text.
 
 use crate::table::{Column, Table};
-use saarcor_kit::report::ConformanceReport;
+use saarcor_kit::report::{ConformanceReport, Outcome};
 use saarcor_kit::scoreboard::{CheckedAnswers, Finding};
+use saarcor_kit::shown::{differences, marks};
 use std::fmt::Write as _;
 
 /// The levels, the requirements and the coverage as tables, with their captions.
@@ -35,6 +36,14 @@ pub fn notes(report: &ConformanceReport) -> Vec<String> {
             report.random_requests
         ));
     }
+    let randoms = report.outcomes.iter().filter(|outcome| outcome.session.contains("/random/")).count();
+    if randoms > 0 {
+        let last = report.seed.wrapping_add(randoms as u64 - 1);
+        notes.push(format!("seeds of the random sessions: {} to {last}", report.seed));
+    }
+    for outcome in report.outcomes.iter().filter(|outcome| outcome.outcome == Outcome::Waived) {
+        notes.push(format!("waived: {}: {}", outcome.session, outcome.says));
+    }
     if report.tolerance > 0 {
         notes.push(format!("timing is judged within {} thousandths", report.tolerance));
     }
@@ -43,6 +52,28 @@ pub fn notes(report: &ConformanceReport) -> Vec<String> {
     }
     notes.extend(report.stopped.iter().map(|why| format!("stopped: {why}")));
     notes
+}
+
+/// Each session with its outcome and its configuration.
+#[must_use]
+pub fn sessions(report: &ConformanceReport) -> Table {
+    let mut table = Table::new([
+        Column::text("session"),
+        Column::text("outcome"),
+        Column::number("requests"),
+        Column::number("seconds"),
+        Column::text("configuration"),
+    ]);
+    for outcome in &report.outcomes {
+        table.row([
+            outcome.session.clone(),
+            outcome.outcome.text().to_owned(),
+            outcome.requests.to_string(),
+            format!("{:.3}", outcome.seconds),
+            outcome.config.clone(),
+        ]);
+    }
+    table
 }
 
 /// The report as text.
@@ -66,8 +97,10 @@ pub fn text(report: &ConformanceReport) -> String {
 pub fn finding(finding: &Finding) -> String {
     let Finding { level, requirement, request, asked, expected, got, says } = finding;
     let place = request.map_or_else(String::new, |request| format!("request {}, ", request + 1));
+    let marks = marks(got, &differences(expected, got));
+    let marks = marks.map_or_else(String::new, |marks| format!("\n            {marks}"));
     format!(
-        "{requirement} at level {level}: {place}'{asked}': {says}\n  expected  {expected}\n  got       {got}"
+        "{requirement} at level {level}: {place}'{asked}': {says}\n  expected  {expected}\n  got       {got}{marks}"
     )
 }
 

@@ -1,27 +1,37 @@
 //! `saarcor conform`.
 
+mod new;
+mod serve_library;
+
+use self::new::NewArgs;
+use self::serve_library::ServeLibraryArgs;
 use crate::conform::{hard, page, text};
-use crate::output::{OutFile, Stdout, json_line};
+use crate::output::{ClosedPipe, OutFile, Stdout, json_line};
 use crate::progress::Progress;
+use crate::signals;
 use crate::status::Status;
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Error, Result, bail, ensure};
 use clap::Subcommand;
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
+use saarcor_kit::children;
+use saarcor_kit::error::Error as KitError;
 use saarcor_kit::kd::Kd;
 use saarcor_kit::kind::Kind;
 use saarcor_kit::kinds::{KINDS, kind_named};
 use saarcor_kit::level::Level;
 use saarcor_kit::plan::{ERRORS, Options, PlannedSession, RANDOM_REQUESTS, default_suite, sessions_named};
-use saarcor_kit::report::{ConformanceReport, ConformanceVerdict};
+use saarcor_kit::report::{ConformanceReport, ConformanceVerdict, Outcome};
 use saarcor_kit::run::{kind_of, run};
 use saarcor_kit::scoreboard::check_answers;
 use saarcor_kit::session::Session;
 use saarcor_kit::target::{Target, TargetOptions, shell_word as quoted};
-use saarcor_kit::templates::{TEMPLATES, faults};
+use saarcor_kit::templates::faults;
 use saarcor_kit::vm::{Vm, trace};
-use saarcor_kit::{children, shared_library};
+use saarcor_kit::waive::Waivers;
 use saarcor_studies::accuracy::suites::SUITES;
 use saarcor_studies::names::nearest;
+use std::borrow::Cow;
+use std::ffi::OsString;
 use std::fs;
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -71,7 +81,7 @@ fn levels() -> impl clap::builder::TypedValueParser<Value = Level> {
 struct RunArgs {
     /// A folder with dut.toml, a command line in quotes, or 'model' or 'naive'
     #[arg(value_name = "DUT")]
-    dut: String,
+    dut: OsString,
     /// The kind, for a command line that speaks several [default: what dut.toml says, else the first it answers]
     #[arg(long, value_parser = PossibleValuesParser::new(KINDS.iter().map(|kind| kind.name())))]
     kind: Option<String>,
@@ -108,9 +118,28 @@ struct RunArgs {
     /// Writes the report as an HTML page that needs no other file
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
-    /// Where the shortest sessions that fail are kept
+    /// Runs only the sessions that failed in the last run that kept its sessions in the same folder
+    #[arg(long)]
+    only_failed: bool,
+    /// Failures that are known: '[[waive]]' with 'session' or 'requirement', and 'reason'; they do not count
+    #[arg(long, value_name = "FILE.toml")]
+    waive: Option<PathBuf>,
+    /// Prints each session, with its outcome and its configuration
+    #[arg(long, conflicts_with = "json")]
+    verbose: bool,
+    /// Where the shortest sessions that fail are kept, and the names of all that do
     #[arg(long, value_name = "DIR", default_value = "target/conform")]
     keep: PathBuf,
+}
+
+/// What is asked for beside the default.
+struct Asked {
+    /// Sessions that were named, with their kinds; none for all.
+    named: Vec<(&'static dyn Kind, Vec<Session>)>,
+    /// The names of the only ones that are run.
+    only: Option<Vec<String>>,
+    /// Failures that do not count.
+    waivers: Waivers,
 }
 
 impl RunArgs {
@@ -118,12 +147,21 @@ impl RunArgs {
         if let Some(limit) = self.time_limit {
             ensure!(limit > 0.0 && limit <= 3600.0, "--time-limit {limit}: write seconds, up to 3600");
         }
-        let junit = self.junit.as_deref().map(OutFile::check).transpose()?;
-        let html = self.html.as_deref().map(OutFile::check).transpose()?;
+        let file = |path: &Option<PathBuf>, endings: &[&str]| -> Result<Option<OutFile>> {
+            let file = path.as_deref().map(|path| OutFile::check(path)?.with_ending(endings)).transpose()?;
+            let inputs = [Path::new(&self.dut).join("dut.toml")].into_iter();
+            let inputs = inputs.chain(self.suite.iter().map(PathBuf::from)).chain(self.trace.iter().cloned());
+            file.iter().try_for_each(|file| file.check_inputs(inputs.clone()))?;
+            Ok(file)
+        };
+        let junit = file(&self.junit, &["xml"])?;
+        let html = file(&self.html, &["html", "htm"])?;
         let named = self.suite.iter().map(|name| named(name, self.random_requests(None)));
         let traces = self.trace.iter().map(|path| traced(path));
         let named = named.chain(traces).collect::<Result<Vec<_>>>()?;
         let program = std::env::current_exe().context("the path of this program")?;
+        let waivers = self.waive.as_deref().map(waivers).transpose()?.unwrap_or_default();
+        let only = if self.only_failed { Some(self.failed_last()?) } else { None };
         let target = Target::open(
             &self.dut,
             &TargetOptions {
@@ -135,16 +173,27 @@ impl RunArgs {
         if !target.missing.is_empty() {
             let missing = target.missing.join(", ");
             // An error that is no bad input; where standard error is closed, the status has to do.
-            let _ =
-                writeln!(std::io::stderr(), "saarcor: {}: needs {missing}, not found in the path", self.dut);
+            let _ = writeln!(
+                std::io::stderr(),
+                "saarcor: {}: needs {missing}, not found in the path",
+                self.name()
+            );
             return Ok(Status::Incomplete);
         }
         children::adopt_strays();
-        children::kill_all_when_ended()?;
-        let report = target.build().map_err(Into::into).and_then(|()| self.report(&target, named, progress));
+        signals::before_end(children::kill_all_for_good).context("signals cannot be waited for")?;
+        let report = target
+            .build()
+            .map_err(Into::into)
+            .and_then(|()| self.report(&target, Asked { named, only, waivers }, progress));
         children::kill_strays();
-        let mut report = report?;
-        self.keep_minimal(&mut report)?;
+        let mut report = report.map_err(|error| self.explained(error))?;
+        if let Err(error) = self.keep_minimal(&mut report) {
+            // The verdict stands without them.
+            let _ = writeln!(std::io::stderr(), "saarcor: sessions that fail are not kept: {error:#}");
+        }
+        // The verdict is shown first: nothing that cannot be written takes it away.
+        self.print(&report).or_else(|error| if error.is::<ClosedPipe>() { Ok(()) } else { Err(error) })?;
         if let Some(file) = junit {
             let text = report.junit(SystemTime::now())?;
             file.write(|out| Ok(out.write_all(text.as_bytes())?))?;
@@ -153,13 +202,6 @@ impl RunArgs {
             let page = page::html(&report);
             file.write(|out| Ok(out.write_all(page.as_bytes())?))?;
         }
-        let mut out = Stdout::new();
-        if self.json {
-            json_line(&mut out, &report)?;
-        } else {
-            out.line(text::text(&report).trim_end())?;
-        }
-        out.finish()?;
         Ok(match report.verdict {
             ConformanceVerdict::Conforms => Status::Holds,
             ConformanceVerdict::DoesNotConform => Status::Disproved,
@@ -167,16 +209,44 @@ impl RunArgs {
         })
     }
 
+    /// The implementation as it was named.
+    fn name(&self) -> Cow<'_, str> {
+        self.dut.to_string_lossy()
+    }
+
+    fn print(&self, report: &ConformanceReport) -> Result<()> {
+        let mut out = Stdout::new();
+        if self.json {
+            json_line(&mut out, report)?;
+        } else {
+            out.line(text::text(report).trim_end())?;
+            if self.verbose {
+                out.line(format_args!("\n{}", text::sessions(report)))?;
+            }
+        }
+        out.finish()
+    }
+
+    /// The error, with what may have been meant where nothing could be started.
+    fn explained(&self, error: Error) -> Error {
+        let is_not_started = matches!(error.downcast_ref(), Some(KitError::NotStarted { .. }));
+        if !is_not_started || Path::new(&self.dut).is_dir() {
+            return error;
+        }
+        let entries = fs::read_dir(".").into_iter().flatten().flatten();
+        let folders = entries.filter(|entry| entry.path().join("dut.toml").is_file());
+        let names: Vec<_> = folders.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+        let near = nearest(&self.name(), names.iter().map(String::as_str));
+        let near = near.map_or_else(String::new, |near| format!("; did you mean '{near}'?"));
+        error.context(format!("{}: no folder, and no command line{near}", self.name()))
+    }
+
     fn random_requests(&self, target: Option<usize>) -> usize {
         self.requests.map(|requests| requests as usize).or(target).unwrap_or(RANDOM_REQUESTS)
     }
 
-    fn report(
-        &self,
-        target: &Target,
-        named: Vec<(&'static dyn Kind, Vec<Session>)>,
-        progress: &Progress,
-    ) -> Result<ConformanceReport> {
+    fn report(&self, target: &Target, asked: Asked, progress: &Progress) -> Result<ConformanceReport> {
+        let Asked { named, only, waivers } = asked;
         let dut = &*target.dut;
         let kind = match self.kind.as_deref().and_then(kind_named).or(target.kind) {
             Some(kind) => kind,
@@ -198,6 +268,7 @@ impl RunArgs {
             seed: self.seed,
             requests: self.random_requests(target.requests),
             tolerance: target.tolerance,
+            waivers,
         };
         let mut planned = Vec::new();
         for (of, sessions) in named {
@@ -216,18 +287,48 @@ impl RunArgs {
                 planned.extend(sessions.map(|session| PlannedSession::Directed(Box::new(session))));
             }
         }
+        if let Some(only) = only {
+            planned.retain(|planned| only.contains(&planned.name(kind)));
+            ensure!(
+                !planned.is_empty(),
+                "--only-failed: none of the {} sessions that failed is planned now; name the suites, the seed and \
+                 the requests of the last run",
+                only.len()
+            );
+        }
         let report = progress
             .during(&format!("{} sessions of {}", planned.len(), kind.name()), |report| {
-                run(&self.dut, dut, kind, &planned, &options, report)
+                run(&self.name(), dut, kind, &planned, &options, report)
             })?;
         Ok(report)
     }
 
-    /// Writes the shortest sessions that fail, and the commands that run them again.
+    /// The file with the names of the sessions that failed.
+    fn list_of_failed(&self) -> PathBuf {
+        self.keep.join("failed.txt")
+    }
+
+    /// The sessions that failed in the last run.
+    fn failed_last(&self) -> Result<Vec<String>> {
+        let path = self.list_of_failed();
+        let shown = path.display();
+        let text = fs::read_to_string(&path)
+            .with_context(|| format!("--only-failed: {shown}: cannot be read; a run that fails writes it"))?;
+        let names: Vec<_> = text.lines().map(str::to_owned).collect();
+        ensure!(!names.is_empty(), "--only-failed: {shown}: no session failed in the last run");
+        Ok(names)
+    }
+
+    /// Writes the shortest sessions that fail, the commands that run them again, and the names of all that fail.
     fn keep_minimal(&self, report: &mut ConformanceReport) -> Result<()> {
-        for (failure, number) in report.failures.iter_mut().zip(1..) {
+        let failed = report.outcomes.iter().filter(|outcome| outcome.outcome == Outcome::Failed);
+        let failed: String = failed.map(|outcome| format!("{}\n", outcome.session)).collect();
+        if !failed.is_empty() || self.list_of_failed().exists() {
             fs::create_dir_all(&self.keep)
                 .with_context(|| format!("{}: cannot be made", self.keep.display()))?;
+            OutFile::check(&self.list_of_failed())?.write(|out| Ok(out.write_all(failed.as_bytes())?))?;
+        }
+        for (failure, number) in report.failures.iter_mut().zip(1..) {
             let name =
                 format!("{number}-{}-{}.txt", failure.requirement, failure.session.replace(['/', '@'], "-"));
             let path = self
@@ -236,7 +337,7 @@ impl RunArgs {
             OutFile::check(&path)?.write(|out| Ok(out.write_all(&failure.suite)?))?;
             failure.replay = Some(format!(
                 "saarcor conform run {}{} --suite {}",
-                quoted(&self.dut),
+                quoted(&self.name()),
                 if self.library { " --library" } else { "" },
                 quoted(&path.display().to_string())
             ));
@@ -260,6 +361,13 @@ fn named(name: &str, requests: usize) -> Result<(&'static dyn Kind, Vec<Session>
     Ok(sessions_named(name, requests)?)
 }
 
+/// The failures that are known.
+fn waivers(path: &Path) -> Result<Waivers> {
+    let shown = path.display();
+    let text = fs::read_to_string(path).with_context(|| format!("{shown}: cannot be read"))?;
+    Waivers::parse(&text).with_context(|| shown.to_string())
+}
+
 /// The sessions of a trace.
 fn traced(path: &Path) -> Result<(&'static dyn Kind, Vec<Session>)> {
     let shown = path.display();
@@ -267,24 +375,6 @@ fn traced(path: &Path) -> Result<(&'static dyn Kind, Vec<Session>)> {
     let addresses = trace::parse_din(&text).with_context(|| shown.to_string())?;
     ensure!(!addresses.is_empty(), "{shown}: has no reads");
     Ok((&Vm, trace::sessions(&shown.to_string(), Vm.hello(), &addresses, usize::MAX)))
-}
-
-/// Holds one conversation with a shared library over standard input and output, as 'run' does
-#[derive(Debug, clap::Args)]
-struct ServeLibraryArgs {
-    /// A library with the functions of saarcor.h
-    #[arg(value_name = "FILE")]
-    library: PathBuf,
-}
-
-impl ServeLibraryArgs {
-    fn run(self) -> Result<Status> {
-        // A path without a folder would be looked for where the system keeps its libraries.
-        let path = fs::canonicalize(&self.library)
-            .with_context(|| format!("{}: cannot be read", self.library.display()))?;
-        shared_library::serve(&path, std::io::stdin().lock(), std::io::stdout().lock())?;
-        Ok(Status::Holds)
-    }
 }
 
 /// Writes the requests of a suite, for an implementation to answer
@@ -404,66 +494,6 @@ impl ListArgs {
             }
         }
         out.finish()?;
-        Ok(Status::Holds)
-    }
-}
-
-/// Copies an implementation to begin with
-#[derive(Debug, clap::Args)]
-struct NewArgs {
-    /// The language
-    #[arg(value_parser = PossibleValuesParser::new(TEMPLATES.iter().map(|template| template.name)))]
-    template: String,
-    /// The folder, which must not be there yet
-    #[arg(value_name = "DIR")]
-    folder: PathBuf,
-    /// Plants a fault into it, to see how it is found ('saarcor conform list --faults' names them)
-    #[arg(long, value_name = "NAME")]
-    fault: Option<String>,
-}
-
-impl NewArgs {
-    fn run(self, progress: &Progress) -> Result<Status> {
-        let template = TEMPLATES.iter().find(|template| template.name == self.template);
-        let template = template.context("the parser lets only these names pass")?;
-        let files = match &self.fault {
-            None => template.files(),
-            Some(name) => {
-                let faults = faults()?;
-                let fault = faults.iter().find(|fault| fault.name == *name).with_context(|| {
-                    let near = nearest(name, faults.iter().map(|fault| fault.name.as_str()));
-                    let hint = near.map_or_else(String::new, |near| format!(": did you mean '{near}'?"));
-                    format!("no fault '{name}'{hint} ('saarcor conform list --faults' lists all)")
-                })?;
-                template.with_fault(fault)?
-            }
-        };
-        let shown = self.folder.display();
-        ensure!(!self.folder.exists(), "{shown}: is there already; name a new folder");
-        let parent = match self.folder.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
-        // All or nothing: the folder takes its name when it is whole.
-        let cannot = || format!("{shown}: cannot be written");
-        let whole = tempfile::Builder::new().prefix(".saarcor-").tempdir_in(parent).with_context(cannot)?;
-        for (name, text) in files {
-            let path = whole.path().join(name);
-            if let Some(folder) = path.parent() {
-                fs::create_dir_all(folder).with_context(cannot)?;
-            }
-            let mut file = fs::File::create(path).with_context(cannot)?;
-            file.write_all(text.as_bytes()).with_context(cannot)?;
-        }
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt as _;
-            // What a folder has that is simply created, but for the user's mask, which is not known.
-            fs::set_permissions(whole.path(), fs::Permissions::from_mode(0o755)).with_context(cannot)?;
-        }
-        fs::rename(whole.path(), &self.folder).with_context(cannot)?;
-        let _ = whole.keep();
-        progress.say(format_args!("{shown}: saarcor conform run {shown}"));
         Ok(Status::Holds)
     }
 }

@@ -86,6 +86,8 @@ struct LineHistory {
     invalidations: u64,
     /// It has been invalidated since it was read last.
     invalidated: bool,
+    /// It has been written since it was read last.
+    written: bool,
     /// How much of `overwritten` there was whenever it was read since it was invalidated: what it held then a cache
     /// may still hold.
     reads: Vec<usize>,
@@ -189,6 +191,7 @@ impl WordComparison {
                     let from = (first - host) as usize;
                     let end = u64::from(geometry.first_byte(LineAddr(*line)).0) + geometry.line().0;
                     let to = ((end - u64::from(host)) as usize).min(old.len());
+                    life.written = true;
                     if !life.reads.is_empty() {
                         life.overwritten.push((first, old[from..to].to_vec()));
                     }
@@ -198,7 +201,7 @@ impl WordComparison {
             Ok(Request::Read { host, .. }) => {
                 let line = self.config.geometry.line_of(HostAddr(host));
                 let life = self.lines.entry(line.0).or_default();
-                (life.invalidations, life.invalidated) = (self.invalidations, false);
+                (life.invalidations, life.invalidated, life.written) = (self.invalidations, false, false);
                 if life.reads.last() != Some(&life.overwritten.len()) {
                     life.reads.push(life.overwritten.len());
                 }
@@ -267,6 +270,9 @@ impl WordComparison {
     fn traffic(&self, host: u32, hits: bool) -> Difference {
         let life = self.lines.get(&self.config.geometry.line_of(HostAddr(host)).0);
         let (requirement, says) = match (hits, life) {
+            (true, Some(life)) if life.written => {
+                ("VM-6", "a miss: the line is resident, and a write of the host invalidates nothing")
+            }
             (true, Some(life)) if life.invalidations < self.invalidations => {
                 ("VM-8", "a miss: the line is resident, and no invalidation since its last read met it")
             }
@@ -365,6 +371,7 @@ mod tests {
         assert_eq!((cause(&["r 0 1"], true), cause(&["r 0 1", "i 8 1"], true)), ("VM-6", "VM-8"));
         assert_eq!((cause(&["r 8 1"], false), cause(&["r 0 1", "flush"], false)), ("VM-4", "VM-8"));
         assert_eq!(cause(&["r 0 1", "flush", "r 0 1"], false), "VM-6");
+        assert_eq!(cause(&["r 0 1", "w 7 0102", "i 8 1"], true), "VM-6");
     }
 
     /// Long lines that are read again and again, and written in between.
