@@ -112,7 +112,9 @@ impl<'a> Staging<'a> {
             Some(folder) if folder != Path::new("") => folder,
             _ => Path::new("."),
         };
-        let staged = tempfile::tempdir_in(folder).map_err(|error| {
+        // By this name the command line removes it where a signal ends the process.
+        let prefix = format!(".saarcor-{}-", std::process::id());
+        let staged = tempfile::Builder::new().prefix(&prefix).tempdir_in(folder).map_err(|error| {
             let reason = format!("no file can be written to the folder ({})", error.kind());
             SceneError::in_file(path, reason)
         })?;

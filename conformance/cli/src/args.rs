@@ -3,7 +3,7 @@
 use crate::limits::check_state;
 use crate::size::Size;
 use anyhow::{Context, Result};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
 use saarcor_kit::vm::config::{HASHES, POLICIES};
 use saarcor_model::host::Kernel;
 use saarcor_model::time::standard::{self as numbers, CHIP_CACHE_WAYS};
@@ -17,8 +17,11 @@ use saarcor_studies::sweep::AXES;
 use saarcor_studies::trace::{PacketOrder, PacketSize, TraceOptions};
 use saarcor_studies::world::kept::KeptWorlds;
 use saarcor_studies::world::{World, WorldOptions};
+use std::borrow::Cow;
+use std::ffi::OsString;
 use std::fmt;
 use std::ops::Range;
+use std::path::PathBuf;
 use std::str::FromStr;
 
 /// An argument that is one of `choices`.
@@ -104,12 +107,30 @@ impl fmt::Display for Resolution {
     }
 }
 
+/// The name of a scene: a built-in one's, or the path of a file, which may be no text.
+#[derive(Clone, Debug)]
+pub struct SceneName(OsString);
+
+impl SceneName {
+    /// The name as text; what is none is replaced.
+    #[must_use]
+    pub fn text(&self) -> Cow<'_, str> {
+        self.0.to_string_lossy()
+    }
+}
+
+impl fmt::Display for SceneName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text())
+    }
+}
+
 /// Which scene, and how it is made ready for the chip.
 #[derive(Clone, Debug, clap::Args)]
 pub struct SceneArgs {
     /// A built-in scene ('saarcor scenes' lists them) or the path of an OBJ file
-    #[arg(value_name = "SCENE")]
-    pub scene: String,
+    #[arg(value_name = "SCENE", value_parser = OsStringValueParser::new().map(SceneName))]
+    pub scene: SceneName,
     /// Takes only the first N lights
     #[arg(long, value_name = "N")]
     lights: Option<usize>,
@@ -135,7 +156,8 @@ impl SceneArgs {
     #[must_use]
     pub fn options(&self, last_frame: Option<usize>) -> WorldOptions {
         WorldOptions {
-            scene: self.scene.clone(),
+            scene: self.scene.to_string(),
+            file: self.scene.0.to_str().is_none().then(|| PathBuf::from(&self.scene.0)),
             lights: self.lights,
             no_textures: self.no_textures,
             strict: self.strict,

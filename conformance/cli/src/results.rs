@@ -49,6 +49,13 @@ impl Results {
                 i + 1
             );
         }
+        // What is cut off has to be a result that was not written to its end.
+        ensure!(
+            text[whole..].is_empty() || text[whole..].starts_with('{'),
+            "{}: line {}: no result of a sweep",
+            path.display(),
+            lines.len() + 1
+        );
         let file = File::options().create(true).append(true).open(path).with_context(cannot)?;
         file.set_len(whole as u64).with_context(cannot)?;
         Ok(Self { lines, file: Some((path.to_owned(), file)) })

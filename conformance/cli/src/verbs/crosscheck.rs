@@ -58,6 +58,7 @@ impl Args {
         options.kernel = self.scene.kernel.unwrap_or(Kernel::Adaptive);
         // Errors of the scene come first, also where there is no Embree.
         let (world, scene) = World::open_with_scene(&options, progress)?;
+        out.iter().try_for_each(|out| out.check_inputs(&world.files))?;
         let embree = open_embree(&self.environment, progress)?;
         let triangles: Vec<[Vec3; 3]> = scene.triangles.iter().map(|triangle| triangle.corners).collect();
         let asked = match &replayed {

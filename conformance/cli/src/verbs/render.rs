@@ -23,7 +23,7 @@ pub struct Args {
     /// Frame of the scene's path
     #[arg(long, value_name = "N", default_value_t = 0)]
     frame: usize,
-    /// The picture, a PNG file
+    /// The picture, a PNG file; '-' is stdout
     #[arg(short, long, value_name = "FILE.png")]
     out: PathBuf,
     #[command(flatten)]
@@ -68,9 +68,11 @@ impl From<Counters> for Traffic {
 impl Args {
     /// Writes the picture and prints what it took.
     pub fn run(self, progress: &Progress) -> Result<()> {
-        let cache = self.cache.config(&self.scene.scene)?;
-        let file = OutFile::check(&self.out)?;
+        let cache = self.cache.config(&self.scene.scene.text())?;
+        let file = if self.json { OutFile::check(&self.out) } else { OutFile::check_or_stdout(&self.out) };
+        let file = file?.with_ending(&["png"])?;
         let world = self.auto.open(&self.scene, Some(self.frame), progress)?;
+        file.check_inputs(&world.files)?;
         check_state(cache, Bytes(world.image.bytes.len() as u64))?;
         let scene = Summary::of(&world);
         let lines = summary::lines(&scene).into_iter().chain([summary::image_line(&scene)]);

@@ -1,11 +1,11 @@
 //! `saarcor scenes`.
 
 use crate::args::SceneArgs;
-use crate::output::{OutFile, Stdout, json_line};
+use crate::output::{OutFile, Stdout, folder_of, json_line, temporaries};
 use crate::progress::Progress;
 use crate::summary::{self, listed};
 use crate::table::{Column, Table};
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use clap::Subcommand;
 use saarcor_model::host::{Features, Scene, features};
 use saarcor_paper::mb;
@@ -157,7 +157,8 @@ impl ShowArgs {
 
 impl ExportArgs {
     fn run(self, progress: &Progress) -> Result<()> {
-        OutFile::check(&self.out)?;
+        let file = OutFile::check(&self.out)?;
+        temporaries::watch(folder_of(file.path())).context("signals cannot be waited for")?;
         let scene = generated(&self.scene, progress)?;
         progress.during(&format!("{}: export", self.scene), |_| export_obj(&scene, &self.out))?;
         Ok(())

@@ -49,8 +49,8 @@ impl FrameArgs {
     /// # Errors
     /// If the numbers make none.
     pub fn config(&self) -> Result<ChipConfig> {
-        let cache = self.cache.config(&self.scene.scene)?;
-        let config = self.chip.config(&self.scene.scene, cache)?;
+        let cache = self.cache.config(&self.scene.scene.text())?;
+        let config = self.chip.config(&self.scene.scene.text(), cache)?;
         config.check()?;
         Ok(config)
     }
@@ -118,8 +118,9 @@ impl Args {
     /// Simulates, and prints what the frame took.
     pub fn run(self, progress: &Progress) -> Result<Status> {
         let config = self.frame.config()?;
-        let file = self.out.as_deref().map(OutFile::check).transpose()?;
+        let file = self.out.as_deref().map(|path| OutFile::check(path)?.with_ending(&["png"])).transpose()?;
         let world = self.auto.open(&self.frame.scene, Some(self.frame.frame), progress)?;
+        file.iter().try_for_each(|file| file.check_inputs(&world.files))?;
         check_state(config.cache, Bytes(world.image.bytes.len() as u64))?;
         let scene = Summary::of(&world);
         let lines = summary::lines(&scene).into_iter().chain([summary::image_line(&scene)]);
@@ -158,7 +159,8 @@ impl Args {
             file.write(|out| write_png(&recording.picture.pixels, out))?;
         }
         let FrameArgs { scene, frame, .. } = &self.frame;
-        let row = TimingRow::new(&scene.scene, *frame, recording.picture.rays.total(), &config, &report);
+        let row =
+            TimingRow::new(&scene.scene.text(), *frame, recording.picture.rays.total(), &config, &report);
         match (&shadow, self.json) {
             (None, true) => json_line(&mut out, &row)?,
             (Some(CardShadow { parts, wrong, .. }), true) => {

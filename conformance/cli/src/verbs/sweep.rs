@@ -4,19 +4,19 @@ use super::simulate::FrameArgs;
 use crate::args::vary;
 use crate::curve;
 use crate::limits::check_together;
-use crate::output::{OutFile, Stdout};
+use crate::output::{OutFile, Stdout, check_inputs};
 use crate::progress::Progress;
 use crate::results::{Results, merged};
 use crate::summary;
 use crate::table::{Column, Table};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use saarcor_model::time::ChipConfig;
 use saarcor_model::vm::Bytes;
 use saarcor_paper::mb;
 use saarcor_studies::summary::Summary;
 use saarcor_studies::sweep::{Axis, Point, PointCosts, Position, Shard, Sweep, grid, identity};
 use serde_json::Value;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// How results are shown.
 #[derive(Debug, clap::Args)]
@@ -64,8 +64,13 @@ impl Args {
             bail!("--svg: {} axes; curves are drawn over one", self.over.len());
         }
         let world = frame.world(progress)?;
+        shown.check_inputs(&world.files)?;
+        if let Some(out) = &self.out {
+            check_inputs(out, &world.files)?;
+            shown.check_inputs(&[out])?;
+        }
         let how = (frame.frame, &frame.trace, frame.chip.order, frame.warm_up, &configs);
-        let sweep = identity(&world, &frame.scene.scene, &how);
+        let sweep = identity(&world, &frame.scene.scene.text(), &how);
         let position = |point| Position { sweep: sweep.clone(), point, points: all.len() };
         let mine = (0..all.len()).filter(|&point| self.shard.is_none_or(|shard| shard.has(point)));
         let mine: Vec<usize> = mine.collect();
@@ -79,7 +84,7 @@ impl Args {
             progress.say(format!("{} points, {} left", mine.len(), mine.len() - results.lines.len()));
             let (before, recording) = frame.record(&world, progress);
             let sweep = Sweep {
-                scene: &frame.scene.scene,
+                scene: &frame.scene.scene.text(),
                 frame: frame.frame,
                 rays: recording.picture.rays.total(),
                 before: &before,
@@ -131,7 +136,10 @@ impl MergeArgs {
         let parts = self.parts.iter().map(read).collect::<Result<Vec<_>>>()?;
         let lines = merged(&parts)?;
         let shown = Files::check(&self.shown)?;
+        shown.check_inputs(&self.parts)?;
         if let Some(out) = self.out.as_deref().map(OutFile::check).transpose()? {
+            out.check_inputs(&self.parts)?;
+            shown.check_inputs(&[out.path()])?;
             out.write(|file| Ok(lines.iter().try_for_each(|line| writeln!(file, "{line}"))?))?;
         }
         print(&lines, shown)
@@ -147,8 +155,19 @@ struct Files {
 
 impl Files {
     fn check(shown: &Shown) -> Result<Self> {
-        let file = |path: &Option<PathBuf>| path.as_deref().map(OutFile::check).transpose();
-        Ok(Self { csv: file(&shown.csv)?, svg: file(&shown.svg)?, json: shown.json })
+        let file = |path: &Option<PathBuf>, ending| {
+            path.as_deref().map(|path| OutFile::check(path)?.with_ending(&[ending])).transpose()
+        };
+        let (csv, svg) = (file(&shown.csv, "csv")?, file(&shown.svg, "svg")?);
+        if let (Some(csv), Some(svg)) = (&csv, &svg) {
+            ensure!(csv.path() != svg.path(), "--csv, --svg: both name {}", csv.path().display());
+        }
+        Ok(Self { csv, svg, json: shown.json })
+    }
+
+    /// Checks that none of them is one of `inputs`.
+    fn check_inputs<P: AsRef<Path> + Clone>(&self, inputs: &[P]) -> Result<()> {
+        self.csv.iter().chain(&self.svg).try_for_each(|file| file.check_inputs(inputs))
     }
 }
 

@@ -1,7 +1,7 @@
 //! `saarcor trace`.
 
 use crate::args::{CacheArgs, SceneArgs, TraceArgs};
-use crate::output::{OutFile, Stdout};
+use crate::output::OutFile;
 use crate::progress::Progress;
 use anyhow::Result;
 use clap::{Subcommand, ValueEnum};
@@ -33,9 +33,9 @@ struct RecordArgs {
     /// Form of the rows
     #[arg(long, value_enum)]
     format: Format,
-    /// The trace [default: stdout]
-    #[arg(short, long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    /// The trace; '-' is stdout
+    #[arg(short, long, value_name = "FILE", default_value = "-", hide_default_value = true)]
+    out: PathBuf,
     #[command(flatten)]
     trace: TraceArgs,
     #[command(flatten)]
@@ -78,20 +78,16 @@ impl Args {
 
 impl RecordArgs {
     fn run(self, progress: &Progress) -> Result<()> {
-        let cache = self.cache.config(&self.scene.scene)?;
-        let file = self.out.as_deref().map(OutFile::check).transpose()?;
+        let cache = self.cache.config(&self.scene.scene.text())?;
+        let endings: &[&str] = match self.format {
+            Format::Din => &[],
+            Format::Csv => &["csv"],
+        };
+        let file = OutFile::check_or_stdout(&self.out)?.with_ending(endings)?;
         let world = World::open(&self.scene.options(Some(self.frame)), progress)?;
+        file.check_inputs(&world.files)?;
         let options = WalkOptions { cache, cold: true, trace: self.trace.options() };
-        match file {
-            Some(file) => {
-                file.write(|out| self.record(&world, &options, &mut |row| Ok(writeln!(out, "{row}")?)))
-            }
-            None => {
-                let mut out = Stdout::new();
-                self.record(&world, &options, &mut |row| out.line(row))?;
-                out.finish()
-            }
-        }
+        file.write(|out| self.record(&world, &options, &mut |row| Ok(writeln!(out, "{row}")?)))
     }
 
     fn record(

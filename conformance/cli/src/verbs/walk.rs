@@ -46,7 +46,7 @@ pub struct Args {
 impl Args {
     /// Walks, and prints a row a frame.
     pub fn run(self, progress: &Progress) -> Result<()> {
-        let cache = self.cache.config(&self.scene.scene)?;
+        let cache = self.cache.config(&self.scene.scene.text())?;
         let world = self.auto.open(&self.scene, self.frames.last(), progress)?;
         let frames = self.frames.of(&world);
         check_state(cache, Bytes(world.image.bytes.len() as u64))?;

@@ -60,6 +60,7 @@ impl KeptWorlds {
         let (world, sources) = decode(bytes, options)?;
         let as_now = |source: &Source| Source::now(source.path.clone()).is_ok_and(|now| now == *source);
         let Source { path, checksum } = sources.first()?;
+        let world = World { files: sources[1..].iter().map(|source| source.path.clone()).collect(), ..world };
         // The file of a program that runs may have been removed.
         let of_this_program = checksum.is_some() && *path == std::env::current_exe().ok()?;
         (of_this_program && sources.par_iter().all(as_now)).then_some(world)
@@ -95,8 +96,11 @@ impl KeptWorlds {
         self.write(&self.path(options).ok_or_else(not_text)?, &bytes)
     }
 
-    /// The file's name: a checksum of what the user asked for.
+    /// The file's name: a checksum of what the user asked for; none where that is no text.
     fn path(&self, options: &WorldOptions) -> Option<PathBuf> {
+        if options.file.is_some() {
+            return None;
+        }
         let scene = match looks_like_a_path(&options.scene) {
             true => absolute(&options.scene).ok()?.to_str()?.to_owned(),
             false => options.scene.clone(),
@@ -202,7 +206,7 @@ impl Fields<'_> {
     /// All but the image's bytes, and what was asked for: the name and the kernel. Named one by one, so
     /// that none is forgotten.
     fn all(&mut self, world: &mut World, sources: &mut Vec<Source>) -> Option<()> {
-        let World { name: _, path, features, triangles, degenerate, image, tree, warnings, seconds: _ } =
+        let World { name: _, path, features, triangles, degenerate, image, tree, warnings, files: _, seconds: _ } =
             world;
         let HostImage { bytes: _, registers, region_bytes, mip_map_bytes, triangle_ids } = image;
         let Registers { root, bounds, kernel: _, triangles: first, shading, features: needs, lights } =

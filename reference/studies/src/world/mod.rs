@@ -18,6 +18,8 @@ use std::time::{Instant, SystemTime};
 pub struct WorldOptions {
     /// A built-in name or the path of an OBJ file.
     pub scene: String,
+    /// The path of the OBJ file, where it is no text and `scene` only shows it.
+    pub file: Option<PathBuf>,
     /// Take only this many of the scene's lights, the first ones.
     pub lights: Option<usize>,
     /// Leave textures and bump maps away, as the paper does where a scene's name ends in `nt`.
@@ -45,6 +47,7 @@ impl WorldOptions {
     pub fn new(scene: &str) -> Self {
         Self {
             scene: scene.to_owned(),
+            file: None,
             lights: None,
             no_textures: false,
             strict: false,
@@ -76,6 +79,8 @@ pub struct World {
     pub tree: TreeFacts,
     /// What was assumed of files that are not as their formats say, a line a kind; said to the monitor.
     pub warnings: Vec<String>,
+    /// The files that the scene depends on; of some there may be none.
+    pub files: Vec<PathBuf>,
     /// Seconds that it took to load or generate the scene, to build its tree, to lay it out. A kept world
     /// is loaded as it is.
     pub seconds: [f64; 3],
@@ -170,6 +175,7 @@ impl World {
         let world = Self {
             seconds: [loaded, built, started.elapsed().as_secs_f64()],
             warnings: warnings.iter().map(ToString::to_string).collect(),
+            files: files.clone(),
             ..Self::of(&options.scene, &scene, &tree, image)
         };
         world.warnings.iter().for_each(|line| monitor.warn(line));
@@ -195,6 +201,7 @@ impl World {
             path: scene.path.clone(),
             image,
             warnings: Vec::new(),
+            files: Vec::new(),
             seconds: [0.0; 3],
         }
     }
@@ -245,7 +252,10 @@ fn load(options: &WorldOptions) -> Result<Loaded, StudyError> {
     let &WorldOptions { scene: ref name, no_textures, strict, .. } = options;
     let mut loaded = match builtin::builtin(name) {
         Some(scene) => Loaded { scene, files: Vec::new(), warnings: Vec::new() },
-        None if looks_like_a_path(name) => load_obj(Path::new(name), LoadOptions { no_textures, strict })?,
+        None if options.file.is_some() || looks_like_a_path(name) => {
+            let file = options.file.as_deref().unwrap_or(Path::new(name));
+            load_obj(file, LoadOptions { no_textures, strict })?
+        }
         None => {
             return Err(StudyError::UnknownScene { name: name.clone(), suggestion: suggestion(name) });
         }
