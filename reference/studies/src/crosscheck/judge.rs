@@ -9,6 +9,8 @@ use saarcor_oracles::embree::{Hit, distance_bound};
 use saarcor_oracles::exact::filter::{Distance, Estimate};
 use saarcor_oracles::exact::{Closest, Contact, Incidence, closest, judge, rational, solve};
 use serde::Serialize;
+use std::collections::HashMap;
+use std::sync::Arc;
 
 /// How an answer is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -89,8 +91,10 @@ pub struct JudgedRay {
     pub question: Question,
     /// The answers.
     pub answers: Answers,
-    /// The first hit, in exact arithmetic.
+    /// The first hit, in exact arithmetic. Of triangles with the same corners the first stands for all.
     pub truth: Option<Closest>,
+    /// The triangles that have the same corners.
+    pub(super) copies: Arc<Copies>,
     /// Its class.
     pub class: Class,
     /// How the model is wrong. A wrong distance of the right triangle, and another answer for any
@@ -127,7 +131,7 @@ impl JudgedRay {
         RayRow {
             class: self.class,
             kind: self.question.kind,
-            exact: self.truth.iter().flat_map(|first| &first.triangles).map(|(id, _)| *id).collect(),
+            exact: self.truth.iter().flat_map(|first| self.copies.all_of(first)).collect(),
             model: answer(self.answers.model),
             robust: answer(self.answers.robust),
             fast: answer(self.answers.fast),
@@ -135,13 +139,53 @@ impl JudgedRay {
     }
 }
 
+/// Triangles with the same corners: what is true of one is true of each.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Copies {
+    /// The first triangle with the corners of each.
+    first: Vec<u32>,
+    /// All triangles that have the corners of a first one, where there are several.
+    several: HashMap<u32, Vec<u32>>,
+}
+
+impl Copies {
+    fn new(triangles: &[[Vec3; 3]]) -> Self {
+        let mut copies = Self::default();
+        let mut known = HashMap::new();
+        for (number, corners) in (0..).zip(triangles) {
+            let bits = corners.map(|corner| corner.to_array().map(f32::to_bits));
+            let first = *known.entry(bits).or_insert(number);
+            copies.first.push(first);
+            if first != number {
+                copies.several.entry(first).or_insert_with(|| vec![first]).push(number);
+            }
+        }
+        copies
+    }
+
+    /// The triangles that are hit first, in ascending order.
+    fn all_of(&self, closest: &Closest) -> Vec<u32> {
+        let all =
+            |(first, _): &(u32, Contact)| self.several.get(first).cloned().unwrap_or_else(|| vec![*first]);
+        let mut all: Vec<u32> = closest.triangles.iter().flat_map(all).collect();
+        all.sort_unstable();
+        all
+    }
+}
+
 /// Judges answers about the triangles of a scene.
 #[derive(Debug)]
 pub struct Judge<'a> {
     triangles: &'a [[Vec3; 3]],
+    /// Of the first triangles of all that have the same corners.
     bvh: Bvh,
+    /// Their numbers, in the order of the hierarchy's.
+    firsts: Vec<u32>,
+    copies: Arc<Copies>,
     /// Where each triangle lies in the order of addresses; `u32::MAX` where it is in no list.
     places: Vec<u32>,
+    /// Of the triangles with the corners of a first one, the one at the lowest address, where there are several.
+    lowest: HashMap<u32, u32>,
     kernel: Kernel,
 }
 
@@ -153,7 +197,31 @@ impl<'a> Judge<'a> {
         for (place, &id) in (0..).zip(&image.triangle_ids) {
             places[id as usize] = place;
         }
-        Self { triangles, bvh: Bvh::new(triangles), places, kernel: image.registers.kernel }
+        let copies = Copies::new(triangles);
+        let firsts: Vec<u32> = (0..)
+            .zip(&copies.first)
+            .filter(|(number, first)| number == *first)
+            .map(|(number, _)| number)
+            .collect();
+        let corners: Vec<_> = firsts.iter().map(|&first| triangles[first as usize]).collect();
+        let lowest = copies.several.iter().filter_map(|(&first, all)| {
+            Some((first, all.iter().copied().min_by_key(|&number| places[number as usize])?))
+        });
+        let (lowest, bvh) = (lowest.collect(), Bvh::new(&corners));
+        Self {
+            triangles,
+            bvh,
+            firsts,
+            copies: Arc::new(copies),
+            places,
+            lowest,
+            kernel: image.registers.kernel,
+        }
+    }
+
+    /// The first triangles of which one may be hit up to a distance.
+    fn candidates(&self, ray: &Ray, farthest: f64) -> impl Iterator<Item = u32> {
+        self.bvh.candidates(ray, farthest).map(|place| self.firsts[place as usize])
     }
 
     /// Judges the answers to a question.
@@ -183,7 +251,7 @@ impl<'a> Judge<'a> {
             Class::Agree
         };
         let [model, robust, fast] = faults;
-        JudgedRay { question, answers, truth, class, model, robust, fast }
+        JudgedRay { question, answers, truth, copies: Arc::clone(&self.copies), class, model, robust, fast }
     }
 
     /// The first hit of `ray`. A claim that is a hit bounds the distance to search.
@@ -194,7 +262,7 @@ impl<'a> Judge<'a> {
             .map(|corners| Estimate::new(ray, corners).distance().greatest)
             .fold(f64::INFINITY, f64::min);
         let numbered = |number: u32| (number, self.triangles[number as usize]);
-        closest(ray, self.bvh.candidates(ray, farthest).map(numbered))
+        closest(ray, self.candidates(ray, farthest).map(numbered))
     }
 
     /// The adaptive test is exact, and with it the model has to be: the first triangle, of several
@@ -203,7 +271,9 @@ impl<'a> Judge<'a> {
     fn model_is_wrong(&self, ray: &Ray, truth: &Option<Closest>, answers: &Answers, found: Finding) -> bool {
         let exact = match (answers.model, truth) {
             (Some(hit), Some(closest)) => {
-                let lowest = closest.triangles.iter().map(|(id, _)| *id).min_by_key(|&id| self.place(id));
+                let lowest =
+                    closest.triangles.iter().map(|(id, _)| self.lowest.get(id).copied().unwrap_or(*id));
+                let lowest = lowest.min_by_key(|&id| self.place(id));
                 lowest == Some(hit.triangle) && self.distance_is_right(ray, hit)
             }
             (None, None) => true,
@@ -239,7 +309,9 @@ impl<'a> Judge<'a> {
     fn find(&self, ray: &Ray, truth: &Option<Closest>, answer: Option<Hit>) -> Finding {
         match (truth, answer) {
             (None, None) => Finding::Right,
-            (Some(closest), Some(hit)) if closest.contains(hit.triangle) => Finding::Right,
+            (Some(closest), Some(hit)) if closest.contains(self.copies.first[hit.triangle as usize]) => {
+                Finding::Right
+            }
             _ if self.is_right_by_other_rules(ray, answer) => Finding::Edge,
             (Some(closest), Some(hit)) if self.is_within_bound(ray, closest, hit) => Finding::WithinBound,
             (None, Some(_)) => Finding::Wrong(Fault::WrongHit),
@@ -256,14 +328,14 @@ impl<'a> Judge<'a> {
         let ends = [ray.t_min, ray.t_max].map(rational::number);
         let mut claimed = None;
         let mut required = None;
-        for number in self.bvh.candidates(&closed, f64::INFINITY) {
+        for number in self.candidates(&closed, f64::INFINITY) {
             let corners = &self.triangles[number as usize];
             let Incidence::Hit(contact) = judge(&closed, corners) else { continue };
             let Some(t) = rational::distance(&closed, corners) else { continue };
             if ends[1].as_ref().is_some_and(|end| t > *end) {
                 continue;
             }
-            if answer.is_some_and(|hit| hit.triangle == number) {
+            if answer.is_some_and(|hit| self.copies.first[hit.triangle as usize] == number) {
                 claimed = Some(t.clone());
             }
             let optional = contact != Contact::Interior || ends.iter().flatten().any(|end| t == *end);
@@ -334,6 +406,21 @@ mod tests {
         assert_eq!(case(Kernel::Adaptive, INSIDE, [first; 3]).class, Class::Agree);
         assert_eq!(case(Kernel::Adaptive, INSIDE, [first, Some((SAME, 1.0)), first]).class, Class::Tie);
         assert_eq!(case(Kernel::Adaptive, [9.0, 9.0, 9.0], [None; 3]).class, Class::Agree);
+    }
+
+    /// Of triangles with the same corners one is judged, and all are named.
+    #[test]
+    fn copies_are_judged_once() {
+        let one = corners()[FIRST as usize];
+        let copies = Copies::new(&[one, corners()[BEHIND as usize], one, one]);
+        assert_eq!(
+            (copies.first.clone(), copies.several.clone()),
+            (vec![0, 1, 0, 0], [(0, vec![0, 2, 3])].into())
+        );
+        let first = Some((FIRST, 1.0));
+        let case = case(Kernel::Adaptive, INSIDE, [first; 3]);
+        assert_eq!(case.truth.as_ref().map(|truth| truth.triangles.len()), Some(1));
+        assert_eq!(case.row().exact, [FIRST, SAME]);
     }
 
     #[test]

@@ -70,11 +70,13 @@ fn question(line: &str) -> Result<Question, String> {
 mod tests {
     use super::*;
     use crate::crosscheck::judge::Answers;
+    use std::sync::Arc;
 
     fn case(class: Class, ray: Ray) -> JudgedRay {
         let answers = Answers { model: None, any: false, robust: None, fast: None };
         let question = Question { kind: RayKind::Aimed, ray };
-        JudgedRay { question, answers, truth: None, class, model: None, robust: None, fast: None }
+        let copies = Arc::default();
+        JudgedRay { question, answers, truth: None, copies, class, model: None, robust: None, fast: None }
     }
 
     #[test]

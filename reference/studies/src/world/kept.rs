@@ -206,8 +206,18 @@ impl Fields<'_> {
     /// All but the image's bytes, and what was asked for: the name and the kernel. Named one by one, so
     /// that none is forgotten.
     fn all(&mut self, world: &mut World, sources: &mut Vec<Source>) -> Option<()> {
-        let World { name: _, path, features, triangles, degenerate, image, tree, warnings, files: _, seconds: _ } =
-            world;
+        let World {
+            name: _,
+            path,
+            features,
+            triangles,
+            degenerate,
+            image,
+            tree,
+            warnings,
+            files: _,
+            seconds: _,
+        } = world;
         let HostImage { bytes: _, registers, region_bytes, mip_map_bytes, triangle_ids } = image;
         let Registers { root, bounds, kernel: _, triangles: first, shading, features: needs, lights } =
             registers;
