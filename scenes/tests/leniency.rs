@@ -3,25 +3,15 @@
 
 #![allow(clippy::unwrap_used)] // A test may fail by a panic.
 
+mod files;
+
 use std::fs;
 use std::path::Path;
 
+use files::{SQUARE, folder};
 use glam::{Vec2, Vec3, vec3};
 use saarcor_model::host::{Material, Scene};
 use saarcor_scenes::{LoadOptions, load_obj};
-use tempfile::TempDir;
-
-/// A square of which two corners have texture coordinates and all have a normal.
-const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0.5\nvn 0 0 1\n";
-
-/// A folder with these files.
-fn folder(files: &[(&str, &[u8])]) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, content) in files {
-        fs::write(folder.path().join(name), content).unwrap();
-    }
-    folder
-}
 
 /// The scene `a.obj` in a folder, which is loaded with `expected` warnings, without the folder's name. If
 /// there are some, it is refused where faults are errors, for the first.
