@@ -37,7 +37,8 @@ const MAGIC: [(&[u8], &str); 22] = [
 /// What is wrong with a file of another format; none where it may be an OBJ file.
 pub(crate) fn refusal(bytes: &[u8]) -> Option<String> {
     let format = recognise(bytes)?;
-    Some(format!("is no OBJ file: it is in {format} format; save the scene as OBJ"))
+    let right = if format == "MTL" { "name the OBJ file that uses it" } else { "save the scene as OBJ" };
+    Some(format!("is no OBJ file: it is in {format} format; {right}"))
 }
 
 /// The name of the format that the content is in, if it is none that could be OBJ.
@@ -70,6 +71,10 @@ fn recognise_text(bytes: &[u8]) -> Option<&'static str> {
             [("<collada", "COLLADA"), ("<x3d", "X3D"), ("<html", "HTML"), ("<!doctype html", "HTML")];
         return Some(formats.iter().find(|(tag, _)| head.contains(tag)).map_or("XML", |(_, name)| name));
     }
+    let begins = |keyword: &str| lines().any(|line| line.split_whitespace().next() == Some(keyword));
+    if begins("newmtl") && !["v", "f", "usemtl"].into_iter().any(begins) && bytes.len() <= HEAD {
+        return Some("MTL");
+    }
     None
 }
 
@@ -83,7 +88,7 @@ mod tests {
         stl.resize(STL_HEADER - 4, 0);
         stl.extend(2u32.to_le_bytes());
         stl.resize(STL_HEADER + 2 * STL_TRIANGLE, 7);
-        let files: [(&[u8], &str); 10] = [
+        let files: [(&[u8], &str); 11] = [
             (b"ply\nformat ascii 1.0\n", "PLY"),
             (&stl, "STL"),
             (b"solid cube\n  facet normal 0 0 1\n    outer loop\n", "STL"),
@@ -93,12 +98,15 @@ mod tests {
             (b"<?xml version=\"1.0\"?>\n<COLLADA>", "COLLADA"),
             (b"<!DOCTYPE html><html>", "HTML"),
             (b"OFF\n8 6 0\n", "OFF"),
+            (b"# by hand\nnewmtl a\nKd 1 1 1\n", "MTL"),
             (b"version https://git-lfs.github.com/spec/v1\n", "Git LFS pointer"),
         ];
         for (content, name) in files {
             assert_eq!(recognise(content), Some(name));
         }
-        for content in [&b""[..], b"# ply\nv 0 0 0\n", b"solid\nv 0 0 0\nf 1 1 1\n", b"v 0 0 0\nf 1 1 1\n"] {
+        for content in
+            [&b""[..], b"# ply\nv 0 0 0\n", b"solid\nv 0 0 0\nf 1 1 1\n", b"newmtl\nv 0 0 0\nf 1 1 1\n"]
+        {
             assert_eq!(recognise(content), None);
         }
     }
