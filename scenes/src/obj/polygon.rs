@@ -75,7 +75,7 @@ impl Cutter {
         self.add_left_out(ring.len());
         let wanted: f64 = (2..ring.len() as u32).map(|third| area(ring, [0, third - 1, third])).sum();
         let made: f64 = self.triangles.iter().map(|&triangle| area(ring, triangle).abs()).sum();
-        (made - wanted).abs() <= TOLERANCE * wanted
+        wanted > 0.0 && (made - wanted).abs() <= TOLERANCE * wanted
     }
 
     /// Puts the corners that no ear has, as they lie on an edge, back on that edge.
@@ -248,8 +248,16 @@ mod tests {
     fn faces_that_cross_themselves_are_named() {
         let mut cutter = Cutter::default();
         for ring in [&[[0, 0], [2, 2], [2, 0], [0, 2]][..], &[[0, 0], [3, 3], [3, 0], [0, 2]]] {
-            let (triangles, uncut) = cutter.cut(&flat(ring));
-            assert_eq!((triangles, uncut), (&[[0, 1, 2], [0, 2, 3]][..], Some(Uncut::CrossesItself)));
+            for axes in [
+                Vec3::to_array,
+                |corner| [corner.z, corner.x, corner.y],
+                |corner| [corner.y, corner.z, corner.x],
+            ] as [fn(&Vec3) -> [f32; 3]; 3]
+            {
+                let corners: Vec<Vec3> = flat(ring).iter().map(|corner| axes(corner).into()).collect();
+                let (triangles, uncut) = cutter.cut(&corners);
+                assert_eq!((triangles, uncut), (&[[0, 1, 2], [0, 2, 3]][..], Some(Uncut::CrossesItself)));
+            }
         }
     }
 
