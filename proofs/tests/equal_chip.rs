@@ -4,8 +4,8 @@
 use proptest::prelude::*;
 use saarcor_fast::chip::{ChipObserver, simulate_observed};
 use saarcor_model::time::{
-    CardAccess, Chip, ChipConfig, L1Config, Load, MetadataCacheConfig, Operation, PciConfig, Program,
-    Programs, SdramConfig, TimingReport, UNIT_NAMES, UnitConfig, Version,
+    CardAccess, Chip, ChipConfig, L1Config, Load, MAX_COUNT, MetadataCacheConfig, Operation, PciConfig,
+    Program, Programs, SdramConfig, Stall, State, TimingReport, UNIT_NAMES, UnitConfig, Version,
 };
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr, Policy, Unit};
 use saarcor_oracles::card::CardShadow;
@@ -169,5 +169,42 @@ proptest! {
         prop_assert!(shadow.first.is_none(), "{}", shadow.first.expect("a difference"));
         let report = chip.report();
         prop_assert_eq!((fast.0.parts, shadow.parts), (report.l2.accesses, report.l2.accesses));
+    }
+}
+
+/// As many threads as a pipeline can have wait for the same thing at once: a look-up, the memory, the host.
+#[test]
+fn threads_that_all_wait_for_one_cause_are_counted_alike() {
+    let geometry = Geometry::new(Bytes(1 << 16), Bytes(64), 4).expect("legal");
+    let cache = CacheConfig { geometry, hash: Hash::Low, policy: Policy::Lru };
+    let operation =
+        |packet: u32| Operation { addr: HostAddr(packet * 64), bytes: 8, rays: 1, unit: Unit::Traversal };
+    let packets = (0..MAX_COUNT).map(|packet| Program::from(vec![operation(packet)])).collect();
+    let programs = Programs { packets, triangles: HostAddr(0) };
+    for (version, latency, cause) in
+        [(Version::A, 500, Stall::LookUp), (Version::None, 1, Stall::Memory), (Version::A, 1, Stall::Host)]
+    {
+        let mut config =
+            ChipConfig { pipelines: 1, threads: MAX_COUNT, ..ChipConfig::standard(version, cache) };
+        for l1 in &mut config.l1 {
+            (l1.latency, l1.mshrs) = (latency, MAX_COUNT);
+        }
+        // Loads are served one after the other: no line is there before all packets wait.
+        config.sdram.cas = 100;
+        let all_wait = |chip: &Chip| {
+            let waits = |state| match cause {
+                Stall::LookUp => matches!(state, State::LooksUp { .. }),
+                _ => state == State::Waits,
+            };
+            chip.threads.iter().all(|thread| waits(thread.state))
+        };
+        // What hits takes the latency of a look-up.
+        let before = if cause == Stall::LookUp { std::slice::from_ref(&programs) } else { &[] };
+        let mut chip = Chip::new(before, &programs, &config).expect("a chip");
+        let mut seen = false;
+        while !chip.cycle(|_, chip| seen |= all_wait(chip)) {}
+        assert!(seen, "{cause:?}: all threads wait at once");
+        let fast = saarcor_fast::chip::simulate(before, &programs, &config).expect("a chip");
+        assert_eq!(fast, chip.report(), "{cause:?}");
     }
 }

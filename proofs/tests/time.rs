@@ -10,7 +10,7 @@ use saarcor_model::time::{
 };
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr, Policy, Unit};
 use saarcor_proofs::time::chip::laws::{
-    Account, Arrivals, HandOut, Parts, Ports, Queue, Threads, Units, Waiting, run,
+    Account, Arrivals, HandOut, LookUps, Parts, Ports, Queue, Threads, Units, Waiting, run,
 };
 
 /// Numbers that look random: Knuth's linear congruential generator (MMIX).
@@ -107,7 +107,7 @@ fn keeps_every_law(config: &ChipConfig, before: &[Programs], programs: &Programs
     let (mut threads, mut ports) = (Threads::new(config, programs), Ports::new(config));
     let (mut waiting, mut queue) = (Waiting::new(config), Queue::new(config));
     let (mut arrivals, mut account) = (Arrivals::new(config), Account::new(config));
-    let mut parts = Parts::new(config, programs);
+    let (mut parts, mut look_ups) = (Parts::new(config, programs), LookUps::new(config));
     let report = run(
         config,
         before,
@@ -122,6 +122,7 @@ fn keeps_every_law(config: &ChipConfig, before: &[Programs], programs: &Programs
             &mut arrivals,
             &mut account,
             &mut parts,
+            &mut look_ups,
         ],
     )
     .unwrap_or_else(|wrong| panic!("{wrong}: {config:?}"));
@@ -155,6 +156,27 @@ fn chips_of_many_threads_keep_every_law() {
         }
     }
     assert!(queued > 0, "no thread waited for a register");
+}
+
+/// Threads that were queued for one line are served by all ports in one cycle, once the line is there: each hit leaves a
+/// register free for the next to ask again.
+#[test]
+fn every_port_serves_the_queue() {
+    let geometry = Geometry::new(Bytes(1 << 14), Bytes(128), 4).expect("legal");
+    let cache = CacheConfig { geometry, hash: Hash::Low, policy: Policy::Lru };
+    for ports in 1..=4 {
+        let mut config = ChipConfig { pipelines: 1, threads: 8, ..ChipConfig::standard(Version::A, cache) };
+        for l1 in &mut config.l1 {
+            (l1.ports, l1.mshrs) = (ports, 1);
+        }
+        let packet = |packet: u32| {
+            let addr = HostAddr(if packet == 0 { 0 } else { 1024 });
+            [Operation { addr, bytes: 8, rays: 1, unit: Unit::Traversal }].into()
+        };
+        let programs = Programs { packets: (0..8).map(packet).collect(), triangles: HostAddr(0) };
+        let report = keeps_every_law(&config, &[], &programs);
+        assert_eq!((report.l1[1].misses, report.l1[1].accesses), (2, 8), "{ports} ports");
+    }
 }
 
 /// All threads miss, each another line: as many loads in flight as there are threads, and as many in the queue of

@@ -4,7 +4,8 @@ use super::PLANES;
 use crate::draw::WORDS;
 use crate::source::Source;
 use crate::{assume, check, check_eq, cover, theorems};
-use saarcor_model::host::{Axis, Kernel, Projection, TRIANGLE_BYTES, TriangleRecord};
+use glam::Vec3;
+use saarcor_model::host::{Axis, Kernel, Projection, TRIANGLE_BYTES, Triangle, TriangleRecord};
 
 /// A corner on a small grid.
 fn corner(s: &mut impl Source, small: [&'static [u32]; 3]) -> [i32; 3] {
@@ -16,6 +17,26 @@ fn corner(s: &mut impl Source, small: [&'static [u32]; 3]) -> [i32; 3] {
 }
 
 theorems! {
+    /// A triangle is without area exactly if its corners lie on one line, however small or large it is.
+    #["HI-4", not_for_kani "it is arithmetic in floating point", covers ["on a line", "with an area", "among the least numbers", "among the greatest numbers"]]
+    fn without_area_are_corners_on_a_line(s) {
+        let axes: [&'static [u32]; 3] = [&WORDS[1..4], &WORDS[2..4], &WORDS[2..4]];
+        let corners = [corner(s, axes), corner(s, axes), corner(s, axes)];
+        let [b, c] = [1, 2].map(|at| -> [i32; 3] { std::array::from_fn(|axis| corners[at][axis] - corners[0][axis]) });
+        let on_a_line = (0..3).all(|axis| {
+            let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+            b[i] * c[j] == b[j] * c[i]
+        });
+        let exponent = s.value("exponent + 149", 0..=273, &[0, 60, 75, 100, 149, 212, 273_u16]);
+        let unit = 2.0_f64.powi(i32::from(exponent) - 149);
+        let corners = corners.map(|corner| Vec3::from(corner.map(|x| (f64::from(x) * unit) as f32)));
+        cover!(s, "on a line", on_a_line);
+        cover!(s, "with an area", !on_a_line);
+        cover!(s, "among the least numbers", exponent == 0);
+        cover!(s, "among the greatest numbers", exponent > 250);
+        check_eq!(Triangle { corners, material: 0 }.is_degenerate(), on_a_line, "{corners:?}");
+    }
+
     /// A triangle's 36 bytes are its nine words, each the lowest byte first, and every bit of them is read
     /// as it was written, together with the two bits of the list entry.
     #["HI-3", unwind 37, covers ["a word that is NaN", "minus zero", "tagged"]]

@@ -8,7 +8,12 @@
 use crate::draw::{self, BYTES};
 use crate::source::{Source, Stop};
 use crate::{assume, check, check_eq, cover, theorems};
-use saarcor_model::rays::{Children, Intervals, Stack, is_downwards, max, min, visit, widen};
+use glam::Vec3;
+use saarcor_model::host::{Aabb, Axis, Features, Kernel, NodeRecord, Registers};
+use saarcor_model::rays::{
+    Children, Intervals, Packet, Query, Ray, Stack, Traversal, is_downwards, max, min, visit, widen,
+};
+use saarcor_model::vm::{HostAddr, Observed, Observer, Unit, WholeScene};
 
 /// Floats by their bits, in ascending order; NaN is the last.
 static FLOATS: [u32; 14] = [
@@ -80,6 +85,18 @@ fn holds((enter, leave): (f32, f32), t: f32) -> bool {
 /// The two numbers have the same bits: NaN equals itself, and zeros differ.
 fn same(a: (f32, f32), b: (f32, f32)) -> bool {
     a.0.to_bits() == b.0.to_bits() && a.1.to_bits() == b.1.to_bits()
+}
+
+/// The nodes that are read, in order.
+#[derive(Default)]
+struct NodesRead(Vec<u32>);
+
+impl Observer for NodesRead {
+    fn read(&mut self, unit: Unit, addr: HostAddr, _bytes: usize) {
+        if unit == Unit::Traversal {
+            self.0.push(addr.0);
+        }
+    }
 }
 
 /// Any visit of a node's children.
@@ -364,6 +381,55 @@ theorems! {
         cover!(s, "upwards", !downwards);
         cover!(s, "downwards", downwards);
         check!(a < b, "{a} in {first:?}, {b} in {other:?}: {cell:?} at the plane {plane:?}");
+    }
+
+    /// Of two children, a packet goes first to the one that the first of its rays in the cell meets first: lanes without a ray,
+    /// and rays that miss the cell, decide nothing.
+    #["KD-4", not_for_kani "it is a whole walk, with distances in floating point", covers ["lane 0 decides", "a lane behind a ray that misses", "a lane behind an empty one", "nobody", "upwards", "downwards"]]
+    fn first_ray_in_the_cell_decides_the_order(s) {
+        // Rays along x through the middle of the box, which its plane cuts, or past it.
+        let mut rays = [None; 4];
+        let mut decides = None;
+        for lane in 0..4 {
+            let kind = s.value("ray (none, up past, down past, up, down)", 0..=4, &BYTES[..5]);
+            let (meets, downwards) = (kind >= 3, matches!(kind, 2 | 4));
+            let y = if meets { 0.5 } else { 1.5 };
+            let (x, towards) = if downwards { (3.0, -1.0) } else { (-1.0, 1.0) };
+            if kind > 0 {
+                let (origin, direction) = (Vec3::new(x, y, 0.5), Vec3::new(towards, 0.0, 0.0));
+                rays[lane] = Some(Ray { origin, direction, t_min: 0.0, t_max: 8.0 });
+            }
+            if meets && decides.is_none() {
+                decides = Some((lane, downwards));
+                cover!(s, "lane 0 decides", lane == 0);
+                cover!(s, "a lane behind a ray that misses", lane > 0 && rays[0].is_some());
+                cover!(s, "a lane behind an empty one", lane > 0 && rays[0].is_none());
+                cover!(s, "upwards", !downwards);
+                cover!(s, "downwards", downwards);
+            }
+        }
+        cover!(s, "nobody", decides.is_none());
+        let leaf = NodeRecord::Leaf { list: HostAddr(64), count: 0 };
+        let root = NodeRecord::Inner { axis: Axis::X, split: 1.0, below: HostAddr(8) };
+        let image: Vec<u8> = [root, leaf, leaf].into_iter().flat_map(NodeRecord::encode).collect();
+        let bounds = Aabb { min: Vec3::ZERO, max: Vec3::new(2.0, 1.0, 1.0) };
+        let registers = Registers {
+            root: HostAddr(0),
+            bounds,
+            kernel: Kernel::MollerTrumbore,
+            triangles: HostAddr(64),
+            shading: HostAddr(64),
+            features: Features::default(),
+            lights: Vec::new(),
+        };
+        let mut memory = Observed { memory: WholeScene(&image), observer: NodesRead::default() };
+        Traversal::<4>::default().run(&mut memory, &registers, &Packet::new(rays), Query::Closest);
+        let expected: &[u32] = match decides {
+            None => &[],
+            Some((_, false)) => &[0, 8, 16],
+            Some((_, true)) => &[0, 16, 8],
+        };
+        check_eq!(&memory.observer.0[..], expected, "nodes read for {rays:?}");
     }
 
     /// A ray in the split plane, whose distance to it is NaN, keeps its whole interval in both

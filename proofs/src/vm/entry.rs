@@ -66,6 +66,23 @@ theorems! {
         check!(Entry::decode(bits).is_err(), "{entry:?} with the bits {error:#x} flipped is {:?}", Entry::decode(bits));
     }
 
+    /// An error that the check bits of one entry detect is detected among the entries of a set, in whichever way it lies, also
+    /// where the way is free: the entries are refused.
+    #["VM-14", unwind 8, covers ["of a resident line", "of a free way", "in the last way"]]
+    fn errors_are_detected_in_every_way(s) {
+        let (policy, set) = draw::set::<S, 4>(s)?;
+        let way = s.value("way of the error", 0..=3, draw::words(0, 4)) as usize;
+        let (first, shape) = (s.value("bit", 0..=39, &[0, 32, 37_u8]), s.value("shape", 0..=3, &BYTES[2..4]));
+        let error = (2 * u64::from(shape) + 1) << first;
+        assume!(error < 1 << 40);
+        cover!(s, "of a resident line", set.resident[way]);
+        cover!(s, "of a free way", !set.resident[way]);
+        cover!(s, "in the last way", way == 3);
+        let mut entries = set.to_entries();
+        entries[way] = flipped(entries[way], error);
+        check_eq!(Set::from_entries(entries, policy), Err(Corrupt), "{policy:?}: {set:?} with the bits {error:#x} of way {way} flipped");
+    }
+
     /// Decoding the entries of a set gives the set back, for every policy and whatever its free ways
     /// still hold.
     #["VM-12", unwind 8, covers ["PLRU", "a free way"]]

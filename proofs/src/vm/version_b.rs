@@ -23,8 +23,8 @@ use crate::draw::{self, BYTES, WORDS};
 use crate::source::{Source, Stop};
 use crate::{assume, check, check_eq, cover, shown, theorems};
 use saarcor_model::vm::{
-    CacheConfig, CachedMetadata, DataSet, Directory, ENTRY_BYTES, Hash, LineAddr, Metadata, MetadataTraffic,
-    Outcome, Policy, Set, SetIndex,
+    Bytes, CacheConfig, CachedMetadata, DataSet, Directory, ENTRY_BYTES, Entry, Geometry, Hash, LineAddr,
+    Metadata, MetadataTraffic, Outcome, Policy, Set, SetIndex,
 };
 
 pub(crate) const WAYS: usize = if cfg!(kani) { 1 } else { 2 };
@@ -167,6 +167,37 @@ fn is_detected(bytes: &[u8], policy: Policy) -> bool {
     }
 }
 
+/// Stores a full set as one of eight, in granules of so many bytes, and loads it again; returns how many granules it
+/// takes.
+fn keeps_its_set<const WAYS: usize, const GRANULE: usize>(own: u32, first_line: u32) -> Result<u64, Stop> {
+    let geometry = Geometry::new(Bytes(8 * WAYS as u64), Bytes(1), WAYS as u32);
+    let geometry = geometry.map_err(|error| Stop::Disproved(error.to_string()))?;
+    let config = CacheConfig { geometry, hash: Hash::Low, policy: Policy::Lru };
+    let mut b = CachedMetadata::<WAYS, 1, GRANULE>::new(&config, 1, Policy::Lru);
+    let mut set = Set::<WAYS>::empty(Policy::Lru);
+    for way in 0..WAYS as u32 {
+        set = set.access(LineAddr(first_line + way), Policy::Lru).0;
+    }
+    let bytes = WAYS * ENTRY_BYTES;
+    let begin = own as usize * bytes;
+    let used = ((begin + bytes - 1) / GRANULE - begin / GRANULE + 1) as u64;
+    b.store(SetIndex(own), &set);
+    // Each granule has changed.
+    check_eq!(
+        b.observer.accesses,
+        used,
+        "{set:?} stored as set {own} in granules of {GRANULE} bytes: granules used"
+    );
+    b.observer = MetadataTraffic::default();
+    check_eq!(b.load(SetIndex(own)), set, "set {own} in granules of {GRANULE} bytes");
+    check_eq!(
+        b.observer.accesses,
+        used,
+        "{set:?} loaded as set {own} from granules of {GRANULE} bytes: granules used"
+    );
+    Ok(used)
+}
+
 theorems! {
     /// With metadata of any version, an access loads the set of its line, answers as one step of this
     /// set does, and stores the set after the step.
@@ -301,18 +332,28 @@ theorems! {
         check_eq!(b.observer, expected, "set {own} of {before:?}");
     }
 
-    /// A set whose metadata has an error that is detected counts as empty, whichever set it is, wherever the error lies, in
-    /// the metadata cache alone or on the card too; and after the next store version B holds the new metadata, and loses it
+    /// A set whose metadata has an error that is detected, in the bits of an entry or because the entries make no legal set,
+    /// counts as empty, whichever set it is, wherever the error lies, in the metadata cache alone or on the card too; and after the next store version B holds the new metadata, and loses it
     /// with no granule.
-    #["VM-14", unwind 14, covers ["on the card", "in the cache alone", "in both", "in a dirty granule", "the error stored"]]
+    #["VM-14", unwind 14, covers ["on the card", "in the cache alone", "in both", "in a dirty granule", "the error stored", "no legal set"]]
     fn corruption_in_any_set_makes_it_empty(s) {
         let config = directory::config::<S, WAYS, SETS>(s)?;
         s.size("bytes a granule", HALF);
         let own = if cfg!(kani) { 0 } else { s.value("set", 0..=MANY as u32 - 1, draw::words(0, MANY)) as usize };
         let was = set(s, config.policy)?;
         let way = s.value("way", 0..=WAYS as u32 - 1, draw::words(0, WAYS)) as usize;
-        let (first, shape) = (s.value("bit", 0..=39, &[0, 7, 31, 36, 39_u8]), s.value("shape", 0..=3, &BYTES[..4]));
-        let error = (2 * u64::from(shape) + 1) << first;
+        // An entry with an error that its check bits detect; or one that is right, but has the management bits of another
+        // way. To Kani the set has one way.
+        let exchanged = !cfg!(kani) && draw::flag(s, "management bits of another way");
+        let error = if exchanged {
+            let entry = |order| Entry { line: was.lines[way], resident: was.resident[way], order }.encode();
+            let [right, wrong] = [way, (way + 1) % WAYS].map(|way| entry(was.order[way]));
+            let bits = std::array::from_fn(|i| if i < ENTRY_BYTES { right[i] ^ wrong[i] } else { 0 });
+            u64::from_le_bytes(bits)
+        } else {
+            let (first, shape) = (s.value("bit", 0..=39, &[0, 7, 31, 36, 39_u8]), s.value("shape", 0..=3, &BYTES[..4]));
+            (2 * u64::from(shape) + 1) << first
+        };
         assume!(error < 1 << 40);
         let other = s.value("byte beside the set", 0..=u8::MAX, &BYTES[9..10]);
         let mut right = [other; MANY_BYTES];
@@ -350,6 +391,8 @@ theorems! {
         cover!(s, "in the cache alone", place == 1);
         cover!(s, "in both", place == 2);
         cover!(s, "in a dirty granule", place == 3);
+        // Of no error in one entry.
+        cover!(s, "no legal set", cfg!(kani) || exchanged);
         let before = shown!(b.clone());
         check_eq!(b.load(SetIndex(own as u32)), Set::empty(b.lines), "set {own}, bits {error:#x} of way {way}: {before:?}");
         check_eq!(b.observer.corrupt, 1, "set {own}, bits {error:#x} of way {way}: sets detected to be corrupt in {before:?}");
@@ -426,6 +469,61 @@ theorems! {
         cover!(s, "all in the cache", cached == ENTRY_BYTES);
         cover!(s, "all on the card", cached == 0);
         cover!(s, "some of both", cached > 0 && cached < ENTRY_BYTES);
+    }
+
+    /// Each granule of a set is used by one step of its set of the metadata cache, with the replacement that this cache has: LRU,
+    /// FIFO or PLRU.
+    #["VM-13", unwind 10, covers ["LRU", "FIFO", "PLRU", "hit", "miss"]]
+    fn granules_are_replaced_as_their_cache_says(s) {
+        let policy = draw::policy(s);
+        let mut cache = DataSet::<2, [u8; 8]>::empty(policy, [0; 8]);
+        let (full, order) = (draw::flag(s, "full"), draw::order(s, policy));
+        for way in 0..2 {
+            cache.set.resident[way] = full || draw::flag(s, "resident");
+            cache.set.lines[way] = LineAddr(s.value("granule of a way", 0..=4, draw::words(way, 2)));
+        }
+        cache.set.order = order;
+        assume!(cache.is_valid(policy));
+        let mut b = CachedMetadata::<1, 2, 8, MetadataTraffic> {
+            lines: Policy::Lru,
+            granules: policy,
+            cache: vec![cache],
+            card: vec![0; 40],
+            observer: MetadataTraffic::default(),
+        };
+        // Of the sets of one way, those whose 5 bytes lie in one granule.
+        let own = [0, 2, 5, 7][s.value("set (0, 2, 5, 7)", 0..=3, &BYTES[..4]) as usize];
+        let granule = LineAddr((own * ENTRY_BYTES / 8) as u32);
+        let (next, outcome) = cache.set.access(granule, policy);
+        cover!(s, "LRU", policy == Policy::Lru);
+        cover!(s, "FIFO", policy == Policy::Fifo);
+        cover!(s, "PLRU", policy == Policy::Plru);
+        cover!(s, "hit", matches!(outcome, Outcome::Hit { .. }));
+        cover!(s, "miss", matches!(outcome, Outcome::Miss { .. }));
+        b.load(SetIndex(own as u32));
+        check_eq!(b.cache[0].set, next, "{granule:?} used, {policy:?}: {cache:?}");
+    }
+
+    /// A set of 8 or 16 ways, whose metadata is up to 80 bytes in up to 21 granules, is stored whole and loaded as it was
+    /// stored, granule by granule.
+    #["VM-13", not_for_kani "the entries of 16 ways take it more than 120 seconds", covers ["8 ways", "16 ways", "more than 8 granules", "more than 16 granules"]]
+    fn wide_sets_are_kept_in_all_their_granules(s) {
+        let ways = if draw::flag(s, "16 ways") { 16 } else { 8 };
+        let granule = s.value("log2 granule", 2..=4, &BYTES[2..5]);
+        let own = s.value("set", 0..=7, &WORDS[..4]);
+        let first_line = s.value("first line", 0..=u32::MAX - 16, &WORDS[3..5]);
+        cover!(s, "8 ways", ways == 8);
+        cover!(s, "16 ways", ways == 16);
+        let used = match (ways, granule) {
+            (8, 2) => keeps_its_set::<8, 4>(own, first_line)?,
+            (8, 3) => keeps_its_set::<8, 8>(own, first_line)?,
+            (8, _) => keeps_its_set::<8, 16>(own, first_line)?,
+            (_, 2) => keeps_its_set::<16, 4>(own, first_line)?,
+            (_, 3) => keeps_its_set::<16, 8>(own, first_line)?,
+            _ => keeps_its_set::<16, 16>(own, first_line)?,
+        };
+        cover!(s, "more than 8 granules", used > 8);
+        cover!(s, "more than 16 granules", used > 16);
     }
 
     /// A metadata cache of up to 64 sets uses each of them: a granule lies in the set that its lower bits name.

@@ -16,7 +16,7 @@ pub mod standard;
 
 pub use chip::{
     Answer, CardAccess, Chip, FirstLevelInTime, FunctionalUnit, LineInFlight, LinePart, Load, LoadId, Loads,
-    State, Thread, Turn, simulate,
+    PlacedPart, State, Thread, Turn, simulate,
 };
 pub use config::{
     ChipConfig, ConfigError, L1Config, MAX_COUNT, MAX_LATENCY, MetadataCacheConfig, UNIT_NAMES, UnitConfig,

@@ -65,7 +65,7 @@ fn example(illegal: Bytes, instead_of_zero: &str) -> String {
     }
 }
 
-/// The power of two that is nearest to `n > 0` by ratio.
+/// The power of two that is nearest to `n > 0`; of two, the lower one.
 fn nearest_power(n: u64) -> u64 {
     let below = 1 << n.ilog2();
     if n - below > below / 2 && below < 1 << 63 { below << 1 } else { below }

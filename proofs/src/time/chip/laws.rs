@@ -4,9 +4,9 @@
 
 use crate::source::Stop;
 use saarcor_model::time::{
-    Chip, ChipConfig, Operation, Programs, SdramConfig, Stall, State, TimingReport, Version,
+    CacheReport, Chip, ChipConfig, Operation, Programs, SdramConfig, Stall, State, TimingReport, Version,
 };
-use saarcor_model::vm::{LineAddr, Unit};
+use saarcor_model::vm::{HostAddr, LineAddr, Unit};
 use std::collections::VecDeque;
 
 /// What a law says against a run: nothing, or what is wrong.
@@ -639,8 +639,12 @@ impl Law for Queue<'_> {
                 demand!(served, "{arrived} lines arrived at cache {cache}, and {left} of {before:?} left");
                 continue;
             }
-            let served = accesses == 0 || is_full || left > 0 || before.is_empty();
-            demand!(served, "cache {cache} has a register free, and none of {before:?} asks again");
+            // If one is free in the end, each look-up has left one free.
+            let asks = (accesses as usize).min(before.len());
+            demand!(
+                is_full || left == asks,
+                "{accesses} look-ups leave a register of cache {cache} free, and {left} of {before:?} ask again"
+            );
             for &number in l1.queue.iter().skip(stayed) {
                 let line = chip.threads[number].lines[0];
                 let in_flight = l1.in_flight.iter().any(|other| other.line == line);
@@ -705,9 +709,8 @@ impl Law for Arrivals<'_> {
 pub struct Account<'a> {
     config: &'a ChipConfig,
     free: Vec<u64>,
-    /// Of each unit: cycles that it was busy, stalled by each cause, and idle. What comes from the host
-    /// counts as from the memory.
-    units: Vec<[u64; 6]>,
+    /// Of each unit: cycles that it was busy, stalled by each cause, and idle.
+    units: Vec<[u64; 7]>,
 }
 
 impl<'a> Account<'a> {
@@ -715,7 +718,7 @@ impl<'a> Account<'a> {
     #[must_use]
     pub fn new(config: &'a ChipConfig) -> Self {
         let units = 4 * config.pipelines as usize;
-        Self { config, free: vec![0; units], units: vec![[0; 6]; units] }
+        Self { config, free: vec![0; units], units: vec![[0; 7]; units] }
     }
 }
 
@@ -744,10 +747,18 @@ impl Law for Account<'_> {
                 2
             } else if stalled(|state| state == State::Queued) {
                 3
-            } else if stalled(|state| state == State::Waits) {
-                4
             } else {
-                5
+                // A line comes from the host while a part of it waits for a load.
+                let from_host = own().filter(|thread| thread.state == State::Waits).map(|thread| {
+                    let line = thread.lines[0];
+                    let mut parts = chip.loads.waiting.iter().map(|(_, waiting)| waiting.part);
+                    parts.any(|part| part.cache == place % 4 && part.line == line)
+                });
+                match from_host.min() {
+                    Some(false) => 4,
+                    Some(true) => 5,
+                    None => 6,
+                }
             };
             counts[cause] += 1;
         }
@@ -757,9 +768,9 @@ impl Law for Account<'_> {
     fn reported(&mut self, report: &TimingReport) -> Verdict {
         for (kind, unit) in report.units.iter().enumerate() {
             let own = self.units.iter().skip(kind).step_by(4);
-            let sum = own.fold([0; 6], |sum, unit| std::array::from_fn(|cause| sum[cause] + unit[cause]));
+            let sum = own.fold([0; 7], |sum, unit| std::array::from_fn(|cause| sum[cause] + unit[cause]));
             let [look_up, port, register, memory, host] = unit.stalls;
-            let got = [unit.busy, look_up, port, register, memory + host, unit.idle];
+            let got = [unit.busy, look_up, port, register, memory, host, unit.idle];
             demand!(got == sum, "units {kind}: {got:?}, not {sum:?}");
             let all = unit.busy + unit.stalled() + unit.idle;
             let cycles = report.cycles * u64::from(self.config.pipelines);
@@ -767,6 +778,55 @@ impl Law for Account<'_> {
             let host = unit.stalls[Stall::Host as usize];
             let from_host = self.config.version != Version::None || host == 0;
             demand!(from_host, "units {kind} wait {host} cycles for a host that loads nothing");
+        }
+        Ok(())
+    }
+}
+
+/// Each part that is taken is one look-up of its line, which misses, or hits; it is merged if it hits a line that a
+/// load is to bring when the part is taken (CH-14).
+pub struct LookUps<'a> {
+    config: &'a ChipConfig,
+    /// The parts that each cache has, and the first of them.
+    parts: [(usize, Option<HostAddr>); 4],
+    /// Lines whose loads are in flight.
+    loading: Vec<LineAddr>,
+    /// Look-ups, misses and merged ones before.
+    counts: [u64; 3],
+}
+
+impl<'a> LookUps<'a> {
+    /// Before the first cycle.
+    #[must_use]
+    pub fn new(config: &'a ChipConfig) -> Self {
+        Self { config, parts: [(0, None); 4], loading: Vec::new(), counts: [0; 3] }
+    }
+}
+
+impl Law for LookUps<'_> {
+    fn seen(&mut self, phase: u32, chip: &Chip) -> Verdict {
+        let parts = [0, 1, 2, 3].map(|cache: usize| &chip.first_level[cache].parts);
+        if phase == 7 {
+            self.parts = parts.map(|parts| (parts.len(), parts.front().map(|part| part.addr)));
+            self.loading = chip.loads.in_flight.iter().map(|load| load.line).collect();
+        }
+        if phase == 8 {
+            let CacheReport { accesses, misses, merged, .. } = chip.report.l2;
+            let counts = [accesses, misses, merged];
+            let before = std::mem::replace(&mut self.counts, counts);
+            let [looked_up, missed, merged] = [0, 1, 2].map(|count: usize| counts[count] - before[count]);
+            let taken = (0..4).filter(|&cache| parts[cache].len() < self.parts[cache].0);
+            let line = taken.filter_map(|cache| self.parts[cache].1).next();
+            let line = line.map(|addr| self.config.cache.geometry.line_of(addr));
+            let comes = line.is_some_and(|line| self.loading.contains(&line));
+            let right = looked_up == u64::from(line.is_some())
+                && missed <= looked_up
+                && merged == u64::from(comes && missed == 0);
+            demand!(
+                right,
+                "{line:?}: {looked_up} looked up, {missed} missed, {merged} merged, while {:?} are loaded",
+                self.loading
+            );
         }
         Ok(())
     }

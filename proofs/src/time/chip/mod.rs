@@ -12,10 +12,10 @@ pub mod turn;
 
 use crate::draw::BYTES;
 use crate::{check_eq, cover, theorems};
-use laws::{HandOut, Nothing, Parts, Units, held};
+use laws::{HandOut, LookUps, Nothing, Parts, Units, held};
 use saarcor_model::time::{
-    ChipConfig, L1Config, MetadataCacheConfig, Operation, PciConfig, Programs, SdramConfig, UnitConfig,
-    Version, simulate,
+    CacheReport, ChipConfig, L1Config, MetadataCacheConfig, Operation, PciConfig, Programs, SdramConfig,
+    UnitConfig, Version, simulate,
 };
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr, Policy, Unit};
 
@@ -52,6 +52,18 @@ theorems! {
         let misses = report.l1.map(|l1| l1.misses);
         cover!(s, "a line of two parts", report.l2.accesses > misses.iter().sum());
         cover!(s, "several caches", misses.iter().filter(|&&misses| misses > 0).count() > 1);
+    }
+
+    /// Each part that the bus manager takes is one look-up of the directory; one that hits a line whose load is in flight then is
+    /// merged, and no other.
+    #["CH-14", not_for_kani "whole runs of a chip", covers ["missed", "merged", "hit"]]
+    fn look_ups_of_lines_in_flight_are_merged(s) {
+        let (config, programs) = scope::small(s);
+        let report = held(&config, &programs, &mut LookUps::new(&config))?;
+        let CacheReport { accesses, misses, merged, .. } = report.l2;
+        cover!(s, "missed", misses > 0);
+        cover!(s, "merged", merged > 0);
+        cover!(s, "hit", accesses > misses + merged);
     }
 
     /// Whatever chip is accepted, every run ends, and within the cycles that it would take if all parts of the chip

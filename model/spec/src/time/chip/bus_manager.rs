@@ -22,8 +22,9 @@ pub(super) struct PendingTag {
 
 /// A part, and the load that brings its line to its place.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PlacedPart {
-    pub(super) part: LinePart,
+pub struct PlacedPart {
+    /// The part.
+    pub part: LinePart,
     place: Load,
 }
 

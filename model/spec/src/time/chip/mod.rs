@@ -17,7 +17,8 @@ use super::pci::Pci;
 use super::report::TimingReport;
 use super::sdram::Sdram;
 use crate::vm::{Outcome, Unit};
-use bus_manager::{PendingTag, PlacedPart};
+use bus_manager::PendingTag;
+pub use bus_manager::PlacedPart;
 pub use first_level::{Answer, FirstLevelInTime, LineInFlight, LinePart};
 pub use loads::{CardAccess, Load, LoadId, Loads};
 use std::collections::VecDeque;
@@ -72,7 +73,8 @@ pub struct Chip<'a> {
     tags: Box<dyn Tags>,
     /// Parts whose tags are looked up, in order.
     pending: VecDeque<PendingTag>,
-    loads: Loads<PlacedPart>,
+    /// The loads from the host, and the parts that wait for them.
+    pub loads: Loads<PlacedPart>,
     /// What was written to the lines on the card, and read from them, in the order of the memory chips.
     pub card: Vec<CardAccess>,
     /// The bus to the host.
