@@ -15,7 +15,7 @@ use crate::level::Level;
 use crate::plan::{Options, PlannedSession};
 use crate::scoreboard::{Finding, Scoreboard, Stage};
 use crate::session::Session;
-use rayon::BroadcastContext;
+use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::{ScopedJoinHandle, scope};
 use std::time::{Duration, Instant};
@@ -190,7 +190,7 @@ impl Executor<'_> {
     /// Runs the sessions but the one at `beside`, each begun in the order of the plan, until enough have failed.
     fn in_order(&self, beside: Option<usize>) -> Result<Vec<SessionResult>, Error> {
         let (next, failing) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        let of_thread = |_: BroadcastContext<'_>| {
+        let of_thread = |_: usize| {
             let mut results = Vec::new();
             while failing.load(Ordering::Relaxed) < self.errors() {
                 let place = next.fetch_add(1, Ordering::Relaxed);
@@ -215,7 +215,9 @@ impl Executor<'_> {
             }
             Ok(results)
         };
-        let of_threads = rayon::broadcast(of_thread).into_iter().collect::<Result<Vec<_>, _>>()?;
+        // This thread begins at once, whatever the others do.
+        let threads = (0..rayon::current_num_threads()).into_par_iter().with_max_len(1);
+        let of_threads = threads.map(of_thread).collect::<Result<Vec<_>, Error>>()?;
         Ok(of_threads.into_iter().flatten().collect())
     }
 
