@@ -163,7 +163,8 @@ fn area(ring: &[DVec2], triangle: [u32; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Quat;
+    use glam::{DQuat, EulerRot, Quat};
+    use proptest::prelude::*;
 
     /// The ring in the plane z = 0.
     fn flat(ring: &[[i32; 2]]) -> Vec<Vec3> {
@@ -281,5 +282,34 @@ mod tests {
         let mut cutter = Cutter::default();
         assert_eq!(cutter.cut(&teeth(LONGEST - 2)).1, None);
         assert_eq!(cutter.cut(&teeth(LONGEST)).1, Some(Uncut::TooLong));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// Rings that are seen whole from a point inside, from any corner on, in any plane.
+        #[test]
+        fn rings_are_covered_once(
+            radii in prop::collection::vec(0.1..10.0f64, 4..60),
+            begin in any::<prop::sample::Index>(),
+            turns in prop::array::uniform3(-3.0..3.0f64),
+        ) {
+            let turn = DQuat::from_euler(EulerRot::XYZ, turns[0], turns[1], turns[2]);
+            let angle = |i: usize| i as f64 / radii.len() as f64 * std::f64::consts::TAU;
+            let at = |i: usize| turn * (radii[i] * DVec2::from_angle(angle(i)).extend(0.0));
+            let mut corners: Vec<Vec3> = (0..radii.len()).map(|i| at(i).as_vec3()).collect();
+            corners.rotate_left(begin.index(radii.len()));
+            let doubled = |[a, b, c]: [Vec3; 3]| {
+                let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
+                (b - a).cross(c - a).dot(turn * DVec3::Z)
+            };
+            let area: f64 = (2..corners.len()).map(|i| doubled([corners[0], corners[i - 1], corners[i]])).sum();
+            let mut cutter = Cutter::default();
+            let (triangles, uncut) = cutter.cut(&corners);
+            prop_assert_eq!((triangles.len(), uncut), (corners.len() - 2, None));
+            let areas = triangles.iter().map(|triangle| doubled(triangle.map(|corner| corners[corner as usize])));
+            let covered: f64 = areas.map(f64::abs).sum();
+            prop_assert!((covered - area).abs() <= 1e-5 * area, "{} of {}", covered, area);
+        }
     }
 }
