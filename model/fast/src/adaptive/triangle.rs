@@ -268,6 +268,9 @@ fn exact_point(ray: &Ray, corners: &[Vec3; 3]) -> Option<[f64; 3]> {
 #[cold]
 #[inline(never)]
 fn exact_order(ray: &Ray, a: &[Vec3; 3], b: &[Vec3; 3]) -> Ordering {
+    if a == b {
+        return Ordering::Equal;
+    }
     let on_grid = || {
         let grid = Grid::new(ray, a.iter().chain(b))?;
         Some(grid.volumes(a)?.order(&grid.volumes(b)?))
