@@ -48,6 +48,8 @@ const WALK: &[(&str, i32, &str)] = &[
     ("saarcor conform run my-cache --trace frame.din", 0, "conforms; agrees up to level state"),
     ("saarcor conform new meta my-tags", 0, ""),
     ("saarcor conform run my-tags --requests 24000", 0, "agrees up to level metadata"),
+    ("saarcor conform run my-cache --quick", 0, "conforms; agrees up to level state"),
+    ("saarcor conform run my-cache --suite vm/sizes/ranges", 0, "conforms; agrees up to level state"),
     ("saarcor conform new kd-c my-kd", 0, ""),
     ("saarcor conform run my-kd --requests 50000", 0, "conforms; agrees up to level traversal"),
     (

@@ -17,6 +17,7 @@ use crate::scoreboard::{Finding, Scoreboard, Stage};
 use crate::session::Session;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::{ScopedJoinHandle, scope};
 use std::time::{Duration, Instant};
 
@@ -109,9 +110,17 @@ pub(crate) struct Run<'a> {
     pub kind: &'a dyn Kind,
     pub planned: &'a [PlannedSession],
     pub options: &'a Options,
+    /// Held by the one session that takes much memory.
+    pub large: &'a Mutex<()>,
 }
 
 impl Run<'_> {
+    /// Waits until no other session is held that takes much memory, where the one at this place does.
+    pub fn alone(&self, place: usize) -> Option<MutexGuard<'_, ()>> {
+        let is_large = matches!(&self.planned[place], PlannedSession::Sized(sized) if sized.is_large);
+        is_large.then(|| self.large.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
     /// The session at a place of the plan.
     pub fn session(&self, place: usize) -> Session {
         self.planned[place].session(self.kind, self.options)
@@ -259,7 +268,8 @@ impl Executor<'_> {
         if deadline.has_come() {
             return Ok(None);
         }
-        let Run { dut, kind, planned, options } = self.run;
+        let Run { dut, kind, planned, options, .. } = self.run;
+        let _alone = self.run.alone(place);
         let session = self.run.session(place);
         let mut scoreboard = Scoreboard::new(kind, &session, options.highest());
         let began = Instant::now();

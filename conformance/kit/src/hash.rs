@@ -23,6 +23,12 @@ pub struct SetHash;
 /// Most sets: those of 4 GiB in lines of one byte.
 const MAX_SET_BITS: u32 = 32;
 
+/// All of them as powers of two, in the order in which seeds take them.
+const SET_BITS: [u32; MAX_SET_BITS as usize + 1] = [
+    4, 0, 14, 1, 9, 20, 32, 7, 2, 3, 5, 6, 8, 10, 11, 12, 13, 15, 16, 17, 18, 19, 21, 22, 23, 24, 25, 26, 27,
+    28, 29, 30, 31,
+];
+
 /// What is observed.
 const OBSERVES: &str = "set";
 
@@ -98,9 +104,14 @@ impl Kind for SetHash {
     }
 
     fn random_config(&self, seed: u64) -> Cow<'static, str> {
-        let set_bits = [4, 0, 14, 1, 9, 20, 32, 7][(seed / HASHES.len() as u64 % 8) as usize];
+        let set_bits = SET_BITS[(seed / HASHES.len() as u64 % SET_BITS.len() as u64) as usize];
         let (name, _) = HASHES[(seed % HASHES.len() as u64) as usize];
         format!("sets={} hash={name}", 1_u64 << set_bits).into()
+    }
+
+    /// Each number of sets with each hash.
+    fn configurations(&self) -> usize {
+        SET_BITS.len() * HASHES.len()
     }
 
     /// Any lines, and lines around the powers of two and the multiples of the set count.

@@ -30,6 +30,25 @@ pub fn push_bytes(out: &mut Vec<u8>, bytes: &[u8]) {
     }
 }
 
+/// Appends a request of a letter and numbers, with its newline.
+pub fn push_request(out: &mut Vec<u8>, name: u8, numbers: &[u64]) {
+    out.push(name);
+    for &number in numbers {
+        out.push(b' ');
+        push_number(out, number);
+    }
+    out.push(b'\n');
+}
+
+/// Appends the request that the host writes bytes, with its newline.
+pub fn push_write(out: &mut Vec<u8>, host: u32, bytes: &[u8]) {
+    out.extend_from_slice(b"w ");
+    push_number(out, host.into());
+    out.push(b' ');
+    push_bytes(out, bytes);
+    out.push(b'\n');
+}
+
 /// The bytes of pairs of hex digits of either case; none where it is something else.
 #[must_use]
 pub fn bytes(word: &[u8]) -> Option<Vec<u8>> {

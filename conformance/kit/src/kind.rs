@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::implementation::Implementation;
 use crate::level::Level;
 use crate::session::Session;
+use crate::sizes::{Extent, SizedSession};
 use std::borrow::Cow;
 
 /// What shrinking may try, one after the other.
@@ -58,6 +59,16 @@ pub trait Kind: Sync {
             &config,
             &self.random_requests(&config, seed, requests),
         )
+    }
+
+    /// So many seeds in a row, from a multiple of it on, have each configuration of the random sessions.
+    fn configurations(&self) -> usize {
+        2 * crate::plan::QUICK_SESSIONS
+    }
+
+    /// Sessions about the sizes that people build: each is made when it is held.
+    fn sizes(&self, _extent: &Extent) -> Vec<SizedSession> {
+        Vec::new()
     }
 
     /// Sessions of recorded frames, each of at most so many of its reads; none where there are no traces.

@@ -33,7 +33,7 @@
 //!     "sets=16 hash=add-upper" => Ok(Box::new(LowerBits)),
 //!     _ => Err(Error::Unsupported("sets".to_owned())),
 //! }));
-//! let options = Options { requests: 1000, ..Options::default() };
+//! let options = Options { quick: true, requests: 1000, ..Options::default() };
 //! let planned = default_suite(&SetHash, &options)?;
 //! let report = run("lower bits", &dut, &SetHash, &planned, &options, &|_| ())?;
 //! assert_eq!(report.verdict.text(), "does not conform");
@@ -57,6 +57,7 @@
 //! | [`children`] | processes that are started, and none of which is left |
 //! | [`target`] | `dut.toml` and command lines |
 //! | [`scoreboard`], [`comparison`] | compares answers with the model's, and keeps what differs |
+//! | [`sizes`] | sessions about the sizes that people build |
 //! | [`plan`], [`run`], [`deadline`] | which sessions are run; all of them, and the report; when they are stopped |
 //! | [`shrink`] | delta debugging |
 //! | [`coverage`] | what sessions exercise |
@@ -100,6 +101,7 @@ pub mod session;
 pub mod shared_library;
 pub mod shown;
 pub mod shrink;
+pub mod sizes;
 pub mod suites;
 mod summary;
 pub mod target;

@@ -5,16 +5,19 @@ use crate::kind::Kind;
 use crate::kinds::{KINDS, kind_of_hello};
 use crate::level::Level;
 use crate::session::Session;
+use crate::sizes::{Extent, SizedSession};
 use crate::waive::Waivers;
 
 /// Requests of all random sessions together (Assumed), where nothing is said.
 pub const RANDOM_REQUESTS: usize = 2_000_000;
+/// Requests of all random sessions together with which counters of 24 bits overflow.
+pub const LONG_REQUESTS: usize = 32_000_000;
 /// Sessions that fail before a run is stopped (Assumed), where nothing is said.
 pub const ERRORS: usize = 20;
-/// Least random sessions: one of each configuration.
-const RANDOM_SESSIONS: usize = 24;
+/// Least random sessions of the quick suite.
+pub(crate) const QUICK_SESSIONS: usize = 24;
 /// Most requests of a random session: enough to amortise its start and to overflow counters of 16 bits, and
-/// few enough that many sessions fit into memory.
+/// few enough that many sessions fit into memory. Longer ones are those of [`Kind::sizes`].
 const SESSION_REQUESTS: usize = 100_000;
 
 /// What is run, and how far it is judged.
@@ -32,6 +35,8 @@ pub struct Options {
     pub tolerance: u32,
     /// Failures that do not count.
     pub waivers: Waivers,
+    /// Without the sessions about the sizes that people build.
+    pub quick: bool,
 }
 
 impl Options {
@@ -49,6 +54,7 @@ impl Default for Options {
             seed: 0,
             requests: RANDOM_REQUESTS,
             tolerance: 0,
+            quick: false,
             waivers: Waivers::default(),
         }
     }
@@ -57,12 +63,15 @@ impl Default for Options {
 /// Rows of the report for sessions that are about no requirement.
 const RANDOM: &str = "random";
 const GIVEN: &str = "frames, files";
+const SIZES: &str = "sizes";
 
 /// A session to be run.
 #[derive(Clone, Debug)]
 pub enum PlannedSession {
     /// This one.
     Directed(Box<Session>),
+    /// One about sizes.
+    Sized(SizedSession),
     /// The random one of a seed.
     Random {
         /// The seed.
@@ -76,7 +85,8 @@ pub enum PlannedSession {
 /// than a few of them.
 const FRAME_PART: usize = 20;
 
-/// The default plan of a kind: the directed sessions, recorded frames, and random sessions.
+/// The default plan of a kind: the directed sessions, recorded frames, those about sizes, and random sessions. The
+/// quick one has no sessions about sizes, and fewer random ones.
 ///
 /// # Errors
 /// Where a suite of the kit is no session: a fault of the kit.
@@ -88,13 +98,18 @@ pub fn default_suite(kind: &dyn Kind, options: &Options) -> Result<Vec<PlannedSe
     }
     let recorded = kind.recorded(options.requests.div_ceil(FRAME_PART));
     planned.extend(recorded.into_iter().map(|session| PlannedSession::Directed(Box::new(session))));
-    planned.extend(random_sessions(options.seed, options.requests));
+    if !options.quick {
+        let extent = Extent { seed: options.seed, requests: options.requests };
+        planned.extend(kind.sizes(&extent).into_iter().map(PlannedSession::Sized));
+    }
+    let least = if options.quick { QUICK_SESSIONS } else { kind.configurations() };
+    planned.extend(random_sessions(options.seed, options.requests, least));
     Ok(planned)
 }
 
-/// Random sessions from a seed on, of so many requests together.
-pub fn random_sessions(seed: u64, requests: usize) -> impl Iterator<Item = PlannedSession> {
-    let sessions = if requests == 0 { 0 } else { requests.div_ceil(SESSION_REQUESTS).max(RANDOM_SESSIONS) };
+/// At least so many random sessions from a seed on, of so many requests together.
+pub fn random_sessions(seed: u64, requests: usize, least: usize) -> impl Iterator<Item = PlannedSession> {
+    let sessions = if requests == 0 { 0 } else { requests.div_ceil(SESSION_REQUESTS).max(least) };
     (0..sessions as u64).map(move |number| PlannedSession::Random {
         seed: seed.wrapping_add(number),
         requests: requests.div_ceil(sessions),
@@ -121,6 +136,10 @@ pub fn sessions_named(name: &str, requests: usize) -> Result<(&'static dyn Kind,
                 if let Some(session) = sessions.into_iter().find(|session| session.name == name) {
                     return Ok((*kind, vec![session]));
                 }
+            }
+            let extent = Extent { seed: 0, requests: requests.max(RANDOM_REQUESTS) };
+            if let Some(sized) = kind.sizes(&extent).into_iter().find(|sized| sized.name == name) {
+                return Ok((*kind, vec![sized.session()]));
             }
             if let Some(session) = kind.recorded(usize::MAX).into_iter().find(|session| session.name == name)
             {
@@ -150,15 +169,18 @@ impl PlannedSession {
     pub fn name(&self, kind: &dyn Kind) -> String {
         match self {
             Self::Directed(session) => session.name.clone(),
+            Self::Sized(sized) => sized.name.clone(),
             Self::Random { seed, .. } => kind.random_name(*seed),
         }
     }
 
-    /// The row of the report that counts it: its requirement, `random`, or `frames, files`.
+    /// The row of the report that counts it: its requirement, `random`, `sizes`, or `frames, files`.
     #[must_use]
     pub fn row(&self) -> &str {
         match self {
             Self::Directed(session) => session.requirement.as_deref().unwrap_or(GIVEN),
+            Self::Sized(sized) if sized.requirement.is_empty() => SIZES,
+            Self::Sized(sized) => sized.requirement,
             Self::Random { .. } => RANDOM,
         }
     }
@@ -167,6 +189,7 @@ impl PlannedSession {
     pub(crate) fn session(&self, kind: &dyn Kind, options: &Options) -> Session {
         let session = match self {
             Self::Directed(session) => (**session).clone(),
+            Self::Sized(sized) => sized.session(),
             Self::Random { seed, requests } => kind.random(*seed, *requests),
         };
         if options.tolerance == 0 { session } else { kind.with_tolerance(session, options.tolerance) }

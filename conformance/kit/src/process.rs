@@ -86,7 +86,8 @@ impl Process {
         // Before the offer is known, the end of its input may be what it waits for.
         running.stays = !is_last && self.offers_sessions.load(Ordering::Relaxed);
         let is_hurried = self.is_hurried.load(Ordering::Relaxed);
-        let limit = if is_hurried { self.time_limit / HURRIED } else { self.time_limit };
+        let limit = self.time_limit * session.patience;
+        let limit = if is_hurried { self.time_limit / HURRIED } else { limit };
         let timeout = match running.hold(session.text(), scoreboard, limit, deadline)? {
             // With all of its time it might have been quick enough.
             Some(Timeout::Slow) if is_hurried => Some(Timeout::Stopped),

@@ -15,6 +15,7 @@ use crate::session::Session;
 use crate::shrink::{ShrinkResult, shrink};
 use crate::summary::Summary;
 use rayon::prelude::*;
+use std::sync::Mutex;
 
 /// The kind of an implementation, by the hello that it answers; none where it answers none.
 ///
@@ -52,7 +53,7 @@ pub fn run(
     options: &Options,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<ConformanceReport, Error> {
-    let run = Run { dut, kind, planned, options };
+    let run = Run { dut, kind, planned, options, large: &Mutex::new(()) };
     let executed = run.execute(progress);
     dut.finish();
     let Execution { results, stopped, random_seconds, shrinking } = executed?;
@@ -89,6 +90,7 @@ fn failure(
     deadline: &Deadline,
 ) -> Result<Failure, Error> {
     let &Run { dut, kind, options, .. } = run;
+    let _alone = run.alone(result.place);
     let session = run.session(result.place);
     let found_requests = session.requests().count();
     let mut trouble = None;

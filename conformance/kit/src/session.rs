@@ -21,6 +21,8 @@ pub struct Session {
     pub level: Option<Level>,
     /// Its idea in a sentence.
     pub idea: String,
+    /// So many time limits it may take: one for each MiB of its text, where nothing else is said.
+    pub patience: u32,
     text: Vec<u8>,
     hello: Range<usize>,
     config: Range<usize>,
@@ -51,6 +53,7 @@ impl Session {
             requirement: None,
             level: None,
             idea: String::new(),
+            patience: (text.len() >> 20).max(1) as u32,
             text,
             hello,
             config,
@@ -233,12 +236,8 @@ impl Session {
 
     fn with(&self, config: &str, push: impl FnOnce(&mut Vec<u8>)) -> Self {
         let (requirement, level, idea) = (self.requirement.clone(), self.level, self.idea.clone());
-        Self {
-            requirement,
-            level,
-            idea,
-            ..Self::made(&self.name, self.hello(), config, self.body.len(), push)
-        }
+        let made = Self::made(&self.name, self.hello(), config, self.body.len(), push);
+        Self { requirement, level, idea, patience: self.patience.max(made.patience), ..made }
     }
 }
 

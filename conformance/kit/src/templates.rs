@@ -53,6 +53,8 @@ pub struct Fault {
     pub from: String,
     /// What takes its place.
     pub to: String,
+    /// The session that finds it, where the quick suite does not.
+    pub session: Option<String>,
 }
 
 #[derive(Deserialize)]

@@ -10,14 +10,16 @@ use saarcor_kit::hash::SetHash;
 use saarcor_kit::kd::Kd;
 use saarcor_kit::kind::Kind;
 use saarcor_kit::level::Level;
-use saarcor_kit::plan::{Options, default_suite};
+use saarcor_kit::meta::Meta;
+use saarcor_kit::plan::{Options, PlannedSession, RANDOM_REQUESTS, default_suite};
 use saarcor_kit::report::{ConformanceVerdict, Failure};
 use saarcor_kit::run::run;
 use saarcor_kit::scoreboard::Scoreboard;
 use saarcor_kit::session::Session;
+use saarcor_kit::sizes::Extent;
 use saarcor_kit::target::{Target, TargetOptions};
 use saarcor_kit::templates::{Fault, TEMPLATES, faults};
-use saarcor_kit::vm::config;
+use saarcor_kit::vm::{Vm, config};
 use saarcor_model::vm::CacheConfig;
 use std::collections::BTreeSet;
 
@@ -37,7 +39,7 @@ fn planted(fault: &Fault) -> (tempfile::TempDir, Target) {
 
 /// The first failure of the default suite.
 fn first_failure(fault: &Fault, dut: &dyn Dut, kind: &dyn Kind) -> Option<Failure> {
-    let options = Options { requests: 24_000, errors: 1, ..Options::default() };
+    let options = Options { quick: true, requests: 24_000, errors: 1, ..Options::default() };
     let planned = default_suite(kind, &options).expect("suites");
     let report = run(&fault.name, dut, kind, &planned, &options, &|_| ()).expect("it runs");
     assert_eq!(report.verdict == ConformanceVerdict::DoesNotConform, !report.failures.is_empty());
@@ -110,6 +112,80 @@ fn some_fail(dut: &dyn Dut, kind: &dyn Kind, failure: &Session, length: usize) -
 /// The templates that are programs of Python: starting it takes most of the time.
 const IN_PYTHON: [&str; 5] = ["python", "hash", "meta", "kd-python", "chip-python"];
 
+/// Sessions about sizes, by name; and random ones with the hash and sets that it takes.
+fn session_named(kind: &dyn Kind, name: &str, requests: usize) -> PlannedSession {
+    let seed = name.split_once("/random/").and_then(|(_, seed)| seed.parse().ok());
+    if let Some(seed) = seed {
+        return PlannedSession::Random { seed, requests: 2000 };
+    }
+    let sized = kind.sizes(&Extent { seed: 0, requests });
+    PlannedSession::Sized(sized.into_iter().find(|sized| sized.name == name).expect(name))
+}
+
+/// Which faults that need a session about sizes are judged, by template and session.
+fn all_are_found_by_their_sessions(whole: bool, among: impl Fn(&Fault, bool) -> bool + Sync) {
+    let wrong: Vec<String> = faults()
+        .expect("a list")
+        .iter()
+        .filter_map(|fault| {
+            let name = fault.session.as_ref()?;
+            let kind = kind_of_template(&fault.template);
+            let planned = session_named(kind, name, RANDOM_REQUESTS);
+            let is_large = matches!(&planned, PlannedSession::Sized(sized) if sized.is_large);
+            if !among(fault, is_large) {
+                return None;
+            }
+            let (_folder, target) = planted(fault);
+            let requests = target.requests.unwrap_or(RANDOM_REQUESTS);
+            let options = Options { requests, errors: 1, ..Options::default() };
+            let planned = match whole {
+                true => default_suite(kind, &options).expect("suites"),
+                false => vec![session_named(kind, name, requests)],
+            };
+            let report = run(&fault.name, &*target.dut, kind, &planned, &options, &|_| ()).expect("it runs");
+            let Some(failure) = report.failures.first() else {
+                return Some(format!("{}: conforms", fault.name));
+            };
+            println!("{:>2} requests: {} by {}", failure.minimal_requests, fault.name, failure.session);
+            let is_right = whole
+                || (&failure.requirement, failure.level.name()) == (&fault.requirement, fault.level.as_str());
+            (!is_right).then(|| format!("{}: {} at level {}", fault.name, failure.requirement, failure.level))
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+fn kind_of_template(template: &str) -> &'static dyn Kind {
+    match template {
+        "hash" => &SetHash,
+        "meta" => &Meta,
+        "kd-c" | "kd-python" => &Kd,
+        "chip-python" => &Chip,
+        _ => &Vm,
+    }
+}
+
+#[test]
+fn faults_of_sizes_are_found_for_their_requirements_by_their_sessions() {
+    all_are_found_by_their_sessions(false, |fault, is_large| {
+        !is_large && !IN_PYTHON.contains(&&*fault.template)
+    });
+}
+
+#[test]
+#[ignore = "takes minutes: large memories, long sessions, and Python"]
+fn faults_of_large_sizes_are_found_for_their_requirements_by_their_sessions() {
+    all_are_found_by_their_sessions(false, |fault, is_large| {
+        is_large || IN_PYTHON.contains(&&*fault.template)
+    });
+}
+
+#[test]
+#[ignore = "takes an hour: the whole default suite with each fault"]
+fn faults_of_sizes_are_found_by_the_default_suite() {
+    all_are_found_by_their_sessions(true, |_, _| true);
+}
+
 #[test]
 fn every_fault_is_found_for_its_requirement_by_few_requests() {
     all_are_found(|fault| !IN_PYTHON.contains(&fault.template.as_str()) && fault.template != "verilog");
@@ -131,7 +207,7 @@ fn all_are_found(among: impl Fn(&Fault) -> bool + Sync) {
     let wrong: Vec<String> = faults()
         .expect("a list")
         .par_iter()
-        .filter(|fault| among(fault))
+        .filter(|fault| fault.session.is_none() && among(fault))
         .filter_map(|fault| {
             let (_folder, target) = planted(fault);
             let kind = target.kind.expect("dut.toml names it");

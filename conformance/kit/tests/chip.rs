@@ -80,7 +80,7 @@ fn slower(thousandths: u64, tolerance: u32) -> ConformanceReport {
         let model = kind.oracle(Oracle::Model, config)?;
         Ok::<Box<dyn Implementation>, Error>(Box::new(Slower { model, thousandths }))
     }));
-    let options = Options { requests: 2400, tolerance, ..Options::default() };
+    let options = Options { quick: true, requests: 2400, tolerance, ..Options::default() };
     let planned = default_suite(&Chip, &options).expect("suites");
     run("slower", &dut, &Chip, &planned, &options, &|_| ()).expect("it runs")
 }

@@ -17,7 +17,7 @@ fn report_on(command: &str) -> ConformanceReport {
 
 fn report_within(time_limit: Duration, command: &str) -> ConformanceReport {
     let dut = Process::new(command.to_owned(), None, time_limit);
-    let options = Options { requests: 24, errors: 1, ..Options::default() };
+    let options = Options { quick: true, requests: 24, errors: 1, ..Options::default() };
     let planned = default_suite(&Vm, &options).expect("suites");
     run(command, &dut, &Vm, &planned, &options, &|_| ()).expect("it runs")
 }
@@ -70,7 +70,7 @@ fn one_that_dies() {
 #[test]
 fn one_that_is_not_there() {
     let dut = |command: &str| Process::new(command.to_owned(), None, LIMIT);
-    let options = Options { requests: 0, ..Options::default() };
+    let options = Options { quick: true, requests: 0, ..Options::default() };
     let planned = default_suite(&Vm, &options).expect("suites");
     for (command, why) in [
         ("no-such-program-at-all", "status 127"),
@@ -108,7 +108,7 @@ fn one_that_hangs_in_some_sessions() {
     let fails = |number: usize| session(&format!("fails {number}"), "r 0 1\nr 0 1\n");
     let planned: Vec<_> = (0..8).map(passes).chain((0..3).map(hangs)).chain((0..30).map(fails)).collect();
     let dut = Process::new(answering("sleep 1000"), None, 4 * LIMIT);
-    let options = Options { errors: 100, ..Options::default() };
+    let options = Options { quick: true, errors: 100, ..Options::default() };
     let report = run("some", &dut, &Vm, &planned, &options, &|_| ()).expect("it runs");
     let requirements: Vec<_> = report.failures.iter().map(|failure| failure.requirement.as_str()).collect();
     assert_eq!(requirements, ["P-8", "VM-6"]);

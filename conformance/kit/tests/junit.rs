@@ -69,7 +69,7 @@ fn junit_is_as_ci_systems_read_it() {
     let duts: [(&dyn Dut, bool); 3] =
         [(&InProcess::oracle(Oracle::Naive), false), (&broken, false), (&none, true)];
     for (dut, is_incomplete) in duts {
-        let options = Options { requests: 100, ..Options::default() };
+        let options = Options { quick: true, requests: 100, ..Options::default() };
         let planned = default_suite(&SetHash, &options).expect("suites");
         let report =
             run("a \"dut\" <x> \u{ffff}\u{1b}", dut, &SetHash, &planned, &options, &|_| ()).expect("it runs");

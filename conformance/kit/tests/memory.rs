@@ -87,7 +87,7 @@ fn says_more_than_ok(request: &[u8]) -> bool {
 }
 
 fn longest(kind: &dyn Kind) -> (PlannedSession, Session) {
-    let planned = random_sessions(0, usize::MAX / 2).next().expect("a session");
+    let planned = random_sessions(0, usize::MAX / 2, 1).next().expect("a session");
     let PlannedSession::Random { seed, requests } = planned else { panic!("not random") };
     (planned, kind.random(seed, requests))
 }

@@ -45,7 +45,7 @@ fn conforms(oracle: Oracle, options: &Options, seeds: Option<(u64, usize)>) -> V
 
 #[test]
 fn model_conforms_and_the_default_suite_covers_the_small_geometry() {
-    let options = Options { requests: 1_000_000, ..Options::default() };
+    let options = Options { quick: true, requests: 1_000_000, ..Options::default() };
     for report in conforms(Oracle::Model, &options, None) {
         assert!(report.coverage.iter().all(|row| row.reached == row.all), "{:?}", report.coverage);
     }
@@ -53,7 +53,7 @@ fn model_conforms_and_the_default_suite_covers_the_small_geometry() {
 
 #[test]
 fn naive_reference_conforms() {
-    conforms(Oracle::Naive, &Options { requests: 100_000, ..Options::default() }, None);
+    conforms(Oracle::Naive, &Options { quick: true, requests: 100_000, ..Options::default() }, None);
 }
 
 /// No false alarm, whatever the seed.
@@ -64,7 +64,7 @@ fn naive_reference_passes_200_seeds() {
 
 #[test]
 fn report_does_not_depend_on_the_threads() {
-    let options = Options { requests: 50_000, ..Options::default() };
+    let options = Options { quick: true, requests: 50_000, ..Options::default() };
     let report = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         let mut reports = pool.install(|| conforms(Oracle::Naive, &options, None));
@@ -77,9 +77,9 @@ fn report_does_not_depend_on_the_threads() {
 #[test]
 fn random_part_has_the_requests_asked_for() {
     for requests in [0, 1, 24, 100, 50_000, 2_000_000] {
-        let sessions = random_sessions(0, requests).map(|planned| match planned {
+        let sessions = random_sessions(0, requests, 24).map(|planned| match planned {
             PlannedSession::Random { requests, .. } => requests,
-            PlannedSession::Directed(_) => 0,
+            PlannedSession::Directed(_) | PlannedSession::Sized(_) => 0,
         });
         let all: usize = sessions.sum();
         assert!((requests..requests + 100).contains(&all), "{requests}: {all}");

@@ -46,7 +46,7 @@ fn report(
     level: Option<Level>,
     observes: fn(&str) -> Result<&'static str, &'static str>,
 ) -> ConformanceReport {
-    let options = Options { requests: 240, level, ..Options::default() };
+    let options = Options { quick: true, requests: 240, level, ..Options::default() };
     let planned = default_suite(kind, &options).expect("suites");
     run("one", &blinder(observes), kind, &planned, &options, &|_| ()).expect("it runs")
 }
@@ -81,7 +81,7 @@ fn a_level_is_passed_where_each_below_it_is_observed() {
         (&Kd, "triangle,t", Level::Rays, "; not judged: traversal, uv"),
     ] {
         // A closure of its own for each, as observes stands in no configuration.
-        let options = Options { requests: 24, ..Options::default() };
+        let options = Options { quick: true, requests: 24, ..Options::default() };
         let planned = default_suite(kind, &options).expect("suites");
         let dut = InProcess::new(Box::new(move |kind, config| {
             let model = kind.oracle(Oracle::Model, config)?;

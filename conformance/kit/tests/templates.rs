@@ -49,7 +49,7 @@ fn conforms_to(kind: &dyn Kind, dut: &dyn Dut, planned: &[PlannedSession]) -> Co
 }
 
 fn suite(requests: usize) -> Vec<PlannedSession> {
-    default_suite(&Vm, &Options { requests, ..Options::default() }).expect("suites")
+    default_suite(&Vm, &Options { quick: true, requests, ..Options::default() }).expect("suites")
 }
 
 fn seeds(count: u64, requests: usize) -> Vec<PlannedSession> {
@@ -73,8 +73,8 @@ fn rust_conforms_whatever_the_seed() {
 #[test]
 fn hash_conforms() {
     let (_folder, target) = template("hash");
-    let planned =
-        default_suite(&SetHash, &Options { requests: 24_000, ..Options::default() }).expect("suites");
+    let planned = default_suite(&SetHash, &Options { quick: true, requests: 24_000, ..Options::default() })
+        .expect("suites");
     let planned: Vec<_> = planned.into_iter().step_by(3).collect();
     conforms_to(&SetHash, &*target.dut, &planned);
 }
@@ -82,7 +82,8 @@ fn hash_conforms() {
 #[test]
 fn kd_c_conforms_whatever_the_seed() {
     let (_folder, target) = template("kd-c");
-    let planned = default_suite(&Kd, &Options { requests: 48_000, ..Options::default() }).expect("suites");
+    let planned =
+        default_suite(&Kd, &Options { quick: true, requests: 48_000, ..Options::default() }).expect("suites");
     let report = conforms_to(&Kd, &*target.dut, &planned);
     assert_eq!(report.highest, Some(Level::Traversal));
     assert_eq!(report.unsupported.iter().map(|row| row.key.as_str()).collect::<Vec<_>>(), ["kernel"]);
@@ -93,7 +94,8 @@ fn kd_c_conforms_whatever_the_seed() {
 #[test]
 fn kd_python_conforms_in_some_sessions() {
     let (_folder, target) = template("kd-python");
-    let planned = default_suite(&Kd, &Options { requests: 12_000, ..Options::default() }).expect("suites");
+    let planned =
+        default_suite(&Kd, &Options { quick: true, requests: 12_000, ..Options::default() }).expect("suites");
     let planned: Vec<_> = planned.into_iter().step_by(10).collect();
     assert_eq!(conforms_to(&Kd, &*target.dut, &planned).highest, Some(Level::Traversal));
 }
@@ -102,7 +104,8 @@ fn kd_python_conforms_in_some_sessions() {
 #[ignore = "starts Python 250 times"]
 fn kd_python_conforms_whatever_the_seed() {
     let (_folder, target) = template("kd-python");
-    let planned = default_suite(&Kd, &Options { requests: 12_000, ..Options::default() }).expect("suites");
+    let planned =
+        default_suite(&Kd, &Options { quick: true, requests: 12_000, ..Options::default() }).expect("suites");
     conforms_to(&Kd, &*target.dut, &planned);
     conforms_to(&Kd, &*target.dut, &seeds(200, 200));
 }
@@ -110,7 +113,7 @@ fn kd_python_conforms_whatever_the_seed() {
 #[test]
 fn meta_conforms_in_some_sessions() {
     let (_folder, target) = template("meta");
-    let options = Options { requests: 24_000, ..Options::default() };
+    let options = Options { quick: true, requests: 24_000, ..Options::default() };
     let planned: Vec<_> = default_suite(&Meta, &options).expect("suites").into_iter().step_by(3).collect();
     let report = conforms_to(&Meta, &*target.dut, &planned);
     assert_eq!(report.highest, Some(Level::Metadata));
@@ -120,7 +123,8 @@ fn meta_conforms_in_some_sessions() {
 #[test]
 fn chip_python_conforms_in_some_sessions() {
     let (_folder, target) = template("chip-python");
-    let planned = default_suite(&Chip, &Options { requests: 1200, ..Options::default() }).expect("suites");
+    let planned =
+        default_suite(&Chip, &Options { quick: true, requests: 1200, ..Options::default() }).expect("suites");
     let planned: Vec<_> = planned.into_iter().step_by(10).collect();
     assert_eq!(conforms_to(&Chip, &*target.dut, &planned).highest, Some(Level::Timing));
 }
@@ -129,7 +133,8 @@ fn chip_python_conforms_in_some_sessions() {
 #[ignore = "starts Python 350 times"]
 fn chip_python_conforms_whatever_the_seed() {
     let (_folder, target) = template("chip-python");
-    let planned = default_suite(&Chip, &Options { requests: 2400, ..Options::default() }).expect("suites");
+    let planned =
+        default_suite(&Chip, &Options { quick: true, requests: 2400, ..Options::default() }).expect("suites");
     let report = conforms_to(&Chip, &*target.dut, &planned);
     assert!(report.unsupported.is_empty(), "{:?}", report.unsupported);
     conforms_to(&Chip, &*target.dut, &seeds(200, 60));
@@ -160,7 +165,7 @@ fn verilog_conforms_whatever_the_seed() {
 fn hash_and_meta_conform_whatever_the_seed() {
     for (name, kind) in [("hash", &SetHash as &dyn Kind), ("meta", &Meta)] {
         let (_folder, target) = template(name);
-        let options = Options { requests: 48_000, ..Options::default() };
+        let options = Options { quick: true, requests: 48_000, ..Options::default() };
         conforms_to(kind, &*target.dut, &default_suite(kind, &options).expect("suites"));
         conforms_to(kind, &*target.dut, &seeds(200, 500));
     }

@@ -28,7 +28,7 @@ fn dead_children_are_reaped_while_others_run() {
     // One that dies with its group, and two that leave it: one ends by itself.
     let command = "(sleep 1000 & setsid sleep 1000 & setsid true &) > /dev/null 2>&1; read x; exit 1";
     let dut = Process::new(command.to_owned(), None, Duration::from_secs(60));
-    let options = Options { requests: 0, errors: 100, ..Options::default() };
+    let options = Options { quick: true, requests: 0, errors: 100, ..Options::default() };
     let planned = default_suite(&Vm, &options).expect("suites");
     let report = run(command, &dut, &Vm, &planned, &options, &|_| ());
     let zombies = children().into_iter().filter(|stat| stat.contains(") Z ")).count();

@@ -19,11 +19,14 @@ use saarcor_kit::kd::Kd;
 use saarcor_kit::kind::Kind;
 use saarcor_kit::kinds::{KINDS, kind_named};
 use saarcor_kit::level::Level;
-use saarcor_kit::plan::{ERRORS, Options, PlannedSession, RANDOM_REQUESTS, default_suite, sessions_named};
+use saarcor_kit::plan::{
+    ERRORS, LONG_REQUESTS, Options, PlannedSession, RANDOM_REQUESTS, default_suite, sessions_named,
+};
 use saarcor_kit::report::{ConformanceReport, ConformanceVerdict, Outcome};
 use saarcor_kit::run::{kind_of, run};
 use saarcor_kit::scoreboard::check_answers;
 use saarcor_kit::session::Session;
+use saarcor_kit::sizes::Extent;
 use saarcor_kit::target::{Target, TargetOptions, shell_word as quoted};
 use saarcor_kit::templates::faults;
 use saarcor_kit::vm::{Vm, trace};
@@ -103,6 +106,12 @@ struct RunArgs {
     /// First seed of the random sessions
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
+    /// Leaves out the sessions about the sizes that people build
+    #[arg(long)]
+    quick: bool,
+    /// Takes so many requests that counters of 24 bits overflow
+    #[arg(long, conflicts_with_all = ["quick", "requests"])]
+    long: bool,
     /// Requests of the random sessions together [default: what dut.toml asks for, else 2000000]
     #[arg(long, value_name = "N")]
     requests: Option<u32>,
@@ -242,7 +251,9 @@ impl RunArgs {
     }
 
     fn random_requests(&self, target: Option<usize>) -> usize {
-        self.requests.map(|requests| requests as usize).or(target).unwrap_or(RANDOM_REQUESTS)
+        let asked =
+            if self.long { Some(LONG_REQUESTS) } else { self.requests.map(|requests| requests as usize) };
+        asked.or(target).unwrap_or(RANDOM_REQUESTS)
     }
 
     fn report(&self, target: &Target, asked: Asked, progress: &Progress) -> Result<ConformanceReport> {
@@ -269,6 +280,7 @@ impl RunArgs {
             requests: self.random_requests(target.requests),
             tolerance: target.tolerance,
             waivers,
+            quick: self.quick,
         };
         let mut planned = Vec::new();
         for (of, sessions) in named {
@@ -487,6 +499,13 @@ impl ListArgs {
             for suite in &SUITES {
                 let name = format!("{}{}", hard::PREFIX, suite.name);
                 out.line(format_args!("{:<6} {name:<36} {}.", "all", suite.idea))?;
+            }
+            for sized in
+                KINDS.iter().flat_map(|kind| kind.sizes(&Extent { seed: 0, requests: RANDOM_REQUESTS }))
+            {
+                if !sized.name.contains("/shape/") {
+                    out.line(format_args!("{:<6} {:<36} {}", sized.requirement, sized.name, sized.idea))?;
+                }
             }
             for kind in KINDS {
                 let name = format!("{}/random/SEED", kind.prefix());

@@ -8,6 +8,7 @@ mod oracle;
 mod random;
 pub mod request;
 mod shrink;
+mod sizes;
 
 use crate::comparison::Comparison;
 use crate::coverage::Coverage;
@@ -16,6 +17,7 @@ use crate::implementation::Implementation;
 use crate::kind::{Candidates, Kind, Oracle};
 use crate::level::Level;
 use crate::session::Session;
+use crate::sizes::{Extent, SizedSession};
 use crate::suites;
 use oracle::ChipOracle;
 use request::Request;
@@ -56,6 +58,10 @@ impl Kind for Chip {
 
     fn random_requests(&self, config: &str, seed: u64, count: usize) -> Vec<u8> {
         random::requests(config, seed, count)
+    }
+
+    fn sizes(&self, extent: &Extent) -> Vec<SizedSession> {
+        sizes::sessions(extent)
     }
 
     fn with_tolerance(&self, session: Session, tolerance: u32) -> Session {

@@ -1,7 +1,8 @@
 //! Scenes made for sessions: a tree over triangles, and the requests that write it to memory.
 
-use super::request::{push_bounds, push_write};
+use super::request::push_bounds;
 use super::scene_memory::LegalScene;
+use crate::hex::push_write;
 use glam::Vec3;
 use saarcor_model::host::{
     Aabb, Axis, HostImage, KdTree, Kernel, Material, NODE_BYTES, Node, REGION_ALIGNMENT, Scene as ModelScene,
@@ -39,13 +40,20 @@ impl GeneratedScene {
     /// triangle goes to each side to which its box reaches, and below a plane that it lies in.
     #[must_use]
     pub fn new(triangles: &[[Vec3; 3]], random: &mut Random) -> Self {
+        Self::with_leaves(triangles, (MAX_LEAF, MAX_DEPTH), random)
+    }
+
+    /// The same, with leaves of up to so many triangles, or that deep.
+    #[must_use]
+    pub fn with_leaves(triangles: &[[Vec3; 3]], most: (usize, u32), random: &mut Random) -> Self {
         let has_area = |corners: &&[Vec3; 3]| !Triangle { corners: **corners, material: 0 }.is_degenerate();
         let triangles: Vec<_> = triangles.iter().filter(has_area).copied().collect();
         let bounds = Aabb::around(triangles.iter().flatten().copied());
         let bounds = if triangles.is_empty() { Aabb { min: Vec3::ZERO, max: Vec3::ZERO } } else { bounds };
         let mut tree = KdTree { bounds, nodes: vec![Node::Leaf { first: 0, count: 0 }], refs: Vec::new() };
         let boxes: Vec<_> = triangles.iter().map(|corners| Aabb::around(*corners)).collect();
-        cut(&mut tree, (0, 0), &boxes, &(0..triangles.len() as u32).collect::<Vec<_>>(), random);
+        let all: Vec<u32> = (0..triangles.len() as u32).collect();
+        cut(&mut tree, (0, 0), most, &boxes, &all, random);
         Self { tree, triangles }
     }
 
@@ -61,14 +69,8 @@ impl GeneratedScene {
     pub fn requests(&self) -> Vec<u8> {
         let mut text = Vec::new();
         push_bounds(&mut text, &self.tree.bounds);
-        let triangle = |corners: &[Vec3; 3]| Triangle { corners: *corners, material: 0 };
-        let scene = ModelScene {
-            triangles: self.triangles.iter().map(triangle).collect(),
-            materials: vec![Material::default()],
-            ..ModelScene::default()
-        };
-        // All kernels of this kind read corners. A tree that is not legal is refused when a ray is traced.
-        let Ok(image) = HostImage::build(&scene, &self.tree, Kernel::MollerTrumbore) else { return text };
+        // A tree that is not legal is refused when a ray is traced.
+        let Some(image) = self.host_image() else { return text };
         let [nodes, lists, triangles, ..] = image.region_bytes.map(|bytes| bytes.0 as usize);
         let mut region = |start: usize, bytes: usize, item: usize| {
             for place in (start..start + bytes).step_by(item.max(1)) {
@@ -79,6 +81,25 @@ impl GeneratedScene {
         region(nodes.next_multiple_of(REGION_ALIGNMENT as usize), lists, lists);
         region(image.registers.triangles.0 as usize, triangles, TRIANGLE_BYTES as usize);
         text
+    }
+
+    /// The bytes of nodes, lists and triangles, from address 0 on; none where the tree is not legal.
+    #[must_use]
+    pub fn image(&self) -> Vec<u8> {
+        let image = self.host_image();
+        let end = |image: &HostImage| image.registers.triangles.0 as usize + image.region_bytes[2].0 as usize;
+        image.map(|image| image.bytes[..end(&image)].to_vec()).unwrap_or_default()
+    }
+
+    fn host_image(&self) -> Option<HostImage> {
+        let triangle = |corners: &[Vec3; 3]| Triangle { corners: *corners, material: 0 };
+        let scene = ModelScene {
+            triangles: self.triangles.iter().map(triangle).collect(),
+            materials: vec![Material::default()],
+            ..ModelScene::default()
+        };
+        // All kernels of this kind read corners.
+        HostImage::build(&scene, &self.tree, Kernel::MollerTrumbore).ok()
     }
 
     /// Scenes that are simpler, the boldest first: one leaf, fewer triangles, fewer cells. Each is made when it
@@ -176,14 +197,14 @@ impl GeneratedScene {
 fn cut(
     tree: &mut KdTree,
     (node, depth): (usize, u32),
+    (max_leaf, max_depth): (usize, u32),
     boxes: &[Aabb],
     triangles: &[u32],
     random: &mut Random,
 ) {
-    if triangles.len() > MAX_LEAF && depth < MAX_DEPTH {
-        let axis = random.pick(&Axis::ALL);
-        let around = &boxes[random.pick(triangles) as usize];
-        let split = random.pick(&[around.min, around.max, around.min.midpoint(around.max)])[axis as usize];
+    if triangles.len() > max_leaf && depth < max_depth {
+        let (axis, split) =
+            if max_depth > MAX_DEPTH { middle(boxes, triangles) } else { anywhere(boxes, triangles, random) };
         let part = |keep: &dyn Fn(f32, f32) -> bool| -> Vec<u32> {
             let reaches = |&&triangle: &&u32| {
                 let Aabb { min, max } = boxes[triangle as usize];
@@ -193,13 +214,40 @@ fn cut(
         };
         let below = part(&|min, max| min < split || max <= split);
         let above = part(&|_, max| max > split);
+        // Triangles that lie on both sides of every plane are one leaf.
+        if max_depth > MAX_DEPTH && below.len().max(above.len()) == triangles.len() {
+            return leaf(tree, node, triangles);
+        }
         let children = tree.nodes.len();
         tree.nodes[node] = Node::Inner { axis, split, children: children as u32 };
         tree.nodes.extend([Node::Leaf { first: 0, count: 0 }; 2]);
-        cut(tree, (children, depth + 1), boxes, &below, random);
-        cut(tree, (children + 1, depth + 1), boxes, &above, random);
+        cut(tree, (children, depth + 1), (max_leaf, max_depth), boxes, &below, random);
+        cut(tree, (children + 1, depth + 1), (max_leaf, max_depth), boxes, &above, random);
     } else {
-        tree.nodes[node] = Node::Leaf { first: tree.refs.len() as u32, count: triangles.len() as u32 };
-        tree.refs.extend(triangles);
+        leaf(tree, node, triangles);
     }
+}
+
+fn leaf(tree: &mut KdTree, node: usize, triangles: &[u32]) {
+    tree.nodes[node] = Node::Leaf { first: tree.refs.len() as u32, count: triangles.len() as u32 };
+    tree.refs.extend(triangles);
+}
+
+/// A plane at an end or the middle of some triangle.
+fn anywhere(boxes: &[Aabb], triangles: &[u32], random: &mut Random) -> (Axis, f32) {
+    let axis = random.pick(&Axis::ALL);
+    let around = &boxes[random.pick(triangles) as usize];
+    (axis, random.pick(&[around.min, around.max, around.min.midpoint(around.max)])[axis as usize])
+}
+
+/// The plane that has as many triangles below it as above, across the axis on which they are spread the most.
+fn middle(boxes: &[Aabb], triangles: &[u32]) -> (Axis, f32) {
+    let ends =
+        |axis: Axis| triangles.iter().map(move |&triangle| boxes[triangle as usize].max[axis as usize]);
+    let spread = |axis: Axis| ends(axis).fold(f32::MIN, f32::max) - ends(axis).fold(f32::MAX, f32::min);
+    let axis = Axis::ALL.into_iter().max_by(|a, b| spread(*a).total_cmp(&spread(*b))).unwrap_or(Axis::X);
+    let mut sorted: Vec<f32> = ends(axis).collect();
+    let half = (sorted.len() - 1) / 2;
+    let (_, split, _) = sorted.select_nth_unstable_by(half, f32::total_cmp);
+    (axis, *split)
 }

@@ -8,6 +8,7 @@ mod oracle;
 mod random;
 pub mod request;
 pub mod scene_memory;
+mod sizes;
 mod truth;
 mod walk;
 
@@ -18,6 +19,7 @@ use crate::implementation::Implementation;
 use crate::kind::{Candidates, Kind, Oracle};
 use crate::level::Level;
 use crate::session::Session;
+use crate::sizes::{Extent, SizedSession};
 use crate::suites;
 use generated_scene::GeneratedScene;
 use oracle::KdOracle;
@@ -67,6 +69,10 @@ impl Kind for Kd {
 
     fn random_requests(&self, _config: &str, seed: u64, count: usize) -> Vec<u8> {
         random::requests(seed, count)
+    }
+
+    fn sizes(&self, extent: &Extent) -> Vec<SizedSession> {
+        sizes::sessions(extent)
     }
 
     /// Checks that each ray has a legal scene.

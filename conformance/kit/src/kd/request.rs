@@ -103,15 +103,6 @@ pub fn push_bounds(text: &mut Vec<u8>, bounds: &Aabb) {
     text.push(b'\n');
 }
 
-/// Appends the line of a write, with its newline.
-pub fn push_write(text: &mut Vec<u8>, host: u32, bytes: &[u8]) {
-    text.extend_from_slice(b"w ");
-    hex::push_number(text, host.into());
-    text.push(b' ');
-    hex::push_bytes(text, bytes);
-    text.push(b'\n');
-}
-
 /// Appends the line of a ray, with its newline.
 pub fn push_ray(text: &mut Vec<u8>, query: Query, ray: &Ray) {
     text.push(match query {
@@ -238,7 +229,7 @@ mod tests {
         let mut text = Vec::new();
         push_bounds(&mut text, &bounds);
         push_ray(&mut text, Query::Any, &ray);
-        push_write(&mut text, 0x1000, &[1, 0xaf]);
+        hex::push_write(&mut text, 0x1000, &[1, 0xaf]);
         let lines: Vec<_> = text.split(|&byte| byte == b'\n').map(Request::parse).collect();
         let line = |place: usize| lines[place].as_ref().ok();
         assert_eq!(line(0), Some(&Request::Bounds(bounds)));

@@ -6,13 +6,13 @@ use crate::vm::config;
 use crate::words::Values;
 use saarcor_model::vm::{CacheConfig, ENTRY_BYTES};
 
-/// Values that the kit's model is built for.
-const WAYS: &[u32] = &[1, 2, 4, 8];
-const GRANULES: &[usize] = &[8, 16];
-const META_WAYS: &[usize] = &[1, 2, 4];
+/// Bytes of a granule that the kit's model is built for.
+pub const GRANULES: &[usize] = &[8, 16];
+/// Ways of the metadata cache that it is built for.
+pub const META_WAYS: &[usize] = &[1, 2, 4];
 
 /// Most sets of the metadata cache (Assumed: sixteen times the paper's).
-const MAX_META_SETS: usize = 1 << 14;
+pub const MAX_META_SETS: usize = 1 << 14;
 
 /// The keys of a configuration.
 pub fn keys() -> impl Iterator<Item = &'static str> {
@@ -57,9 +57,6 @@ pub fn parse(text: &str) -> Result<MetaConfig, Error> {
         let all: Vec<_> = all.iter().map(usize::to_string).collect();
         Err(format!("{key}={value}: write one of {}", all.join(", ")).into())
     };
-    if !WAYS.contains(&cache.geometry.ways()) {
-        return Err(format!("ways={}: version B is for at most 8", cache.geometry.ways()).into());
-    }
     let sets: usize = values.number("meta-sets")?;
     if !sets.is_power_of_two() || sets > MAX_META_SETS {
         return Err(format!("meta-sets={sets}: it must be a power of two up to {MAX_META_SETS}").into());
@@ -107,7 +104,7 @@ mod tests {
             ("granule=16", "granule=24", "8, 16"),
             ("meta-sets=1024", "meta-sets=3", "power of two"),
             ("meta-ways=4", "meta-ways=8", "1, 2, 4"),
-            (" ways=4", " ways=16", "at most 8"),
+            (" ways=4", " ways=32", "1 to 16"),
             ("faults=0", "", "faults is missing"),
             ("faults=0", "fault=0", "fault"),
             ("line=128", "line=x", "decimal"),

@@ -5,6 +5,7 @@ pub mod config;
 mod coverage;
 mod random;
 pub mod request;
+mod sizes;
 pub mod tags;
 
 use crate::comparison::Comparison;
@@ -14,6 +15,7 @@ use crate::implementation::Implementation;
 use crate::kind::{Candidates, Kind, Oracle};
 use crate::level::Level;
 use crate::session::Session;
+use crate::sizes::{Extent, SizedSession};
 use crate::suites;
 use config::MetaConfig;
 use request::Request;
@@ -72,6 +74,10 @@ impl Kind for Meta {
 
     fn random_requests(&self, config: &str, seed: u64, count: usize) -> Vec<u8> {
         random::requests(config, seed, count)
+    }
+
+    fn sizes(&self, extent: &Extent) -> Vec<SizedSession> {
+        sizes::sessions(extent)
     }
 
     fn check(&self, session: &Session) -> Result<(), Error> {

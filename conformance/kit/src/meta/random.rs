@@ -2,7 +2,7 @@
 //! metadata.
 
 use super::config::{self, MetaConfig};
-use crate::hex;
+use crate::hex::push_request;
 use saarcor_model::vm::ENTRY_BYTES;
 use saarcor_random::Random;
 use std::collections::BTreeSet;
@@ -50,7 +50,7 @@ pub fn requests(config: &str, seed: u64, count: usize) -> Vec<u8> {
             0..40 => {
                 let most = (lines - 1).min(3);
                 let len = (1 + random.below(most * size - size + 1)).min((1 << 32) - host);
-                push(&mut text, b'i', &[host, len]);
+                push_request(&mut text, b'i', &[host, len]);
             }
             40..43 => {
                 flipped.clear();
@@ -62,24 +62,15 @@ pub fn requests(config: &str, seed: u64, count: usize) -> Vec<u8> {
                 let byte = if random.percent(75) { byte % (4 * ENTRY_BYTES as u64) } else { byte };
                 let mask = random.pick(&[1, 2, 3, 5, 7, 0x10, 0x80, 0xe0]);
                 if flipped.insert(byte / ENTRY_BYTES as u64) {
-                    push(&mut text, b'x', &[byte, mask]);
+                    push_request(&mut text, b'x', &[byte, mask]);
                 } else {
-                    push(&mut text, b'r', &[host]);
+                    push_request(&mut text, b'r', &[host]);
                 }
             }
-            _ => push(&mut text, b'r', &[host]),
+            _ => push_request(&mut text, b'r', &[host]),
         }
     }
     text
-}
-
-fn push(text: &mut Vec<u8>, name: u8, numbers: &[u64]) {
-    text.push(name);
-    for &number in numbers {
-        text.push(b' ');
-        hex::push_number(text, number);
-    }
-    text.push(b'\n');
 }
 
 /// Lines that collide: in neighbouring sets, which share granules, and in sets whose granules share a set of the

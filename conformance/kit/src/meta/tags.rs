@@ -160,7 +160,8 @@ pub fn model(config: &MetaConfig) -> Result<Box<dyn Tags>, Error> {
         1 => model_of_ways::<1>(config),
         2 => model_of_ways::<2>(config),
         4 => model_of_ways::<4>(config),
-        _ => model_of_ways::<8>(config),
+        8 => model_of_ways::<8>(config),
+        _ => model_of_ways::<16>(config),
     })
 }
 

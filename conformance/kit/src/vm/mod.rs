@@ -9,6 +9,7 @@ pub mod model;
 pub mod naive;
 mod random;
 pub mod request;
+pub(crate) mod sizes;
 pub mod trace;
 
 use crate::comparison::Comparison;
@@ -18,6 +19,7 @@ use crate::implementation::Implementation;
 use crate::kind::{Candidates, Kind, Oracle};
 use crate::level::Level;
 use crate::session::Session;
+use crate::sizes::{Extent, SizedSession};
 use crate::suites;
 use cache::CacheAdapter;
 use request::Request;
@@ -51,6 +53,10 @@ impl Kind for Vm {
 
     fn random_requests(&self, config: &str, seed: u64, count: usize) -> Vec<u8> {
         random::requests(config, seed, count)
+    }
+
+    fn sizes(&self, extent: &Extent) -> Vec<SizedSession> {
+        sizes::sessions(extent)
     }
 
     fn recorded(&self, requests: usize) -> Vec<Session> {
