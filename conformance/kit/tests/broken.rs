@@ -126,7 +126,7 @@ fn session_named(kind: &dyn Kind, name: &str, requests: usize) -> PlannedSession
 fn all_are_found_by_their_sessions(whole: bool, among: impl Fn(&Fault, bool) -> bool + Sync) {
     let wrong: Vec<String> = faults()
         .expect("a list")
-        .iter()
+        .par_iter()
         .filter_map(|fault| {
             let name = fault.session.as_ref()?;
             let kind = kind_of_template(&fault.template);
