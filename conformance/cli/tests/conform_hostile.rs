@@ -43,19 +43,23 @@ impl Run {
     }
 
     /// Waits for the end, and says how much memory the runner took, how long, and what it printed.
-    fn watch(mut self) -> (u64, Duration, serde_json::Value) {
-        let status = format!("/proc/{}/status", self.child.id());
-        let mut most = 0;
-        while self.child.try_wait().expect("a child").is_none() {
-            let text = fs::read_to_string(&status).unwrap_or_default();
-            let peak = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-            let peak = peak.and_then(|peak| peak.trim().split(' ').next()?.parse().ok());
-            most = most.max(peak.unwrap_or(0));
-            std::thread::sleep(Duration::from_millis(5));
-        }
-        let took = self.began.elapsed();
-        assert_eq!(marked(&self.mark), Vec::<String>::new());
-        let output = self.child.wait_with_output().expect("its output");
+    fn watch(self) -> (u64, Duration, serde_json::Value) {
+        let Self { child, mark, began, _folder } = self;
+        let status = format!("/proc/{}/status", child.id());
+        // Beside what reads the report, which is longer than a pipe holds.
+        let watch = std::thread::spawn(move || {
+            let mut most = 0;
+            while let Ok(text) = fs::read_to_string(&status) {
+                let peak = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+                let peak = peak.and_then(|peak| peak.trim().split(' ').next()?.parse().ok());
+                most = most.max(peak.unwrap_or(0));
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            most
+        });
+        let output = child.wait_with_output().expect("its output");
+        let (took, most) = (began.elapsed(), watch.join().expect("it watches"));
+        assert_eq!(marked(&mark), Vec::<String>::new());
         let report = serde_json::from_slice(&output.stdout);
         (most, took, report.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr))))
     }
