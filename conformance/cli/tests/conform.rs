@@ -28,6 +28,7 @@ const WALK: &[(&str, i32, &str)] = &[
     ("saarcor conform new c my-cache", 0, ""),
     ("saarcor conform run my-cache", 0, "conforms; agrees up to level state"),
     ("saarcor conform list --faults", 0, "victim-off-by-one"),
+    ("saarcor conform list --coverage", 0, "no kind generates rays"),
     ("saarcor conform new c faulty --fault victim-off-by-one", 0, ""),
     ("saarcor conform run faulty --html report.html --junit report.xml", 1, "VM-6"),
     ("saarcor conform run faulty --only-failed", 1, "VM-6"),

@@ -23,6 +23,7 @@ use saarcor_kit::plan::{
     ERRORS, LONG_REQUESTS, Options, PlannedSession, RANDOM_REQUESTS, default_suite, sessions_named,
 };
 use saarcor_kit::report::{ConformanceReport, ConformanceVerdict, Outcome};
+use saarcor_kit::requirements::{self, Covered};
 use saarcor_kit::run::{kind_of, run};
 use saarcor_kit::scoreboard::check_answers;
 use saarcor_kit::session::Session;
@@ -478,6 +479,9 @@ struct ListArgs {
     /// Lists the faults that 'conform new --fault' plants, and the requirement that each breaks
     #[arg(long)]
     faults: bool,
+    /// Lists the requirements, and for each the sessions that are about it, or why there are none
+    #[arg(long, conflicts_with = "faults")]
+    coverage: bool,
 }
 
 impl ListArgs {
@@ -486,6 +490,14 @@ impl ListArgs {
         if self.faults {
             for fault in faults()? {
                 out.line(format_args!("{:<6} {:<32} {}", fault.requirement, fault.name, fault.says))?;
+            }
+        } else if self.coverage {
+            for Covered { id, sessions, reason } in requirements::coverage()? {
+                let names = Vec::from_iter(sessions).join(" ");
+                out.line(format_args!(
+                    "{id:<6} {}",
+                    reason.map_or(names, |reason| format!("none: {reason}"))
+                ))?;
             }
         } else {
             for kind in KINDS {
