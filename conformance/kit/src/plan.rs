@@ -37,6 +37,8 @@ pub struct Options {
     pub waivers: Waivers,
     /// Without the sessions about the sizes that people build.
     pub quick: bool,
+    /// Whether a session that fails is shrunk to few requests.
+    pub shrink: bool,
 }
 
 impl Options {
@@ -55,6 +57,7 @@ impl Default for Options {
             requests: RANDOM_REQUESTS,
             tolerance: 0,
             quick: false,
+            shrink: true,
             waivers: Waivers::default(),
         }
     }

@@ -106,7 +106,8 @@ fn failure(
     };
     // A long session is not kept beside the one that it is shrunk to.
     let ShrinkResult { session: minimal, finding, cut_short } =
-        if result.timeout.is_some() || finding.requirement == FRESH || deadline.has_come() {
+        if !options.shrink || result.timeout.is_some() || finding.requirement == FRESH || deadline.has_come()
+        {
             // Each try would take the time limit again, or would pass: only the requests behind the failing one are left out.
             let session = session.with_requests(session.requests().take(finding.asked_by_then()));
             ShrinkResult { session, finding: finding.clone(), cut_short: true }

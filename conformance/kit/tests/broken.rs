@@ -137,7 +137,7 @@ fn all_are_found_by_their_sessions(whole: bool, among: impl Fn(&Fault, bool) -> 
             }
             let (_folder, target) = planted(fault);
             let requests = target.requests.unwrap_or(RANDOM_REQUESTS);
-            let options = Options { requests, errors: 1, ..Options::default() };
+            let options = Options { requests, errors: 1, shrink: false, ..Options::default() };
             let planned = match whole {
                 true => default_suite(kind, &options).expect("suites"),
                 false => vec![session_named(kind, name, requests)],

@@ -282,6 +282,7 @@ impl RunArgs {
             tolerance: target.tolerance,
             waivers,
             quick: self.quick,
+            shrink: true,
         };
         let mut planned = Vec::new();
         for (of, sessions) in named {
