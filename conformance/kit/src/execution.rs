@@ -167,7 +167,7 @@ impl Executor<'_> {
         let share = if all > 0.0 { random / all } else { 0.0 };
         let mut random_seconds = started.elapsed().as_secs_f64() * share;
         let mut is_enough = self.cut(&mut results);
-        let time_left = self.deadline.left();
+        let mut time_left = self.deadline.left();
         if let Some((place, handle)) = long {
             let is_behind = is_enough && results.last().is_none_or(|last| last.place < place);
             if is_behind {
@@ -175,6 +175,10 @@ impl Executor<'_> {
                 self.extra_deadline.within(Duration::ZERO);
             }
             let long = joined(handle)?;
+            if !is_behind {
+                // It may be the first that fails.
+                time_left = self.deadline.left();
+            }
             let alone = !results.iter().any(|result| result.timeout == Some(Timeout::Slow));
             if let Some(long) = long.filter(|_| !is_behind && alone) {
                 random_seconds += long.seconds / rayon::current_num_threads() as f64;
