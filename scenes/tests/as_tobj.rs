@@ -58,7 +58,7 @@ fn is_read_alike(path: &Path) {
 fn number() -> impl Strategy<Value = String> {
     prop_oneof![
         any::<f32>()
-            .prop_filter("finite", |number| number.is_finite())
+            .prop_filter("in reach of a camera", |number| number.abs() < 1.0e15)
             .prop_map(|number| format!("{number:e}")),
         (-1000_i32..1000).prop_map(|number| number.to_string()),
         (-1.0e4_f32..1.0e4).prop_map(|number| format!("{number:.6}")),
