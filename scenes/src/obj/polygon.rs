@@ -134,7 +134,7 @@ fn shape(corners: &[Vec3]) -> Shape {
     let longest = spokes().map(|spoke| spoke.length_squared()).fold(0.0, f64::max);
     Shape {
         normal,
-        // Where they cancel out, no triangle is the one that is turned over.
+        // Where they cancel out, no triangle is the one that is flipped.
         is_fan: doubled_areas().all(|area| area.dot(normal) >= -turned_over)
             && normal.length() >= TOLERANCE * all,
         is_sliver: doubled_areas().all(|area| area.length() <= TOLERANCE * longest),
