@@ -129,13 +129,13 @@ fn shape(corners: &[Vec3]) -> Shape {
     let spokes = || corners[1..].iter().map(|corner| corner.as_dvec3() - first);
     let doubled_areas = || spokes().zip(spokes().skip(1)).map(|(a, b)| a.cross(b));
     let normal: DVec3 = doubled_areas().sum();
-    let turned_over = TOLERANCE * normal.length_squared();
+    let flipped = TOLERANCE * normal.length_squared();
     let all: f64 = doubled_areas().map(|area| area.length()).sum();
     let longest = spokes().map(|spoke| spoke.length_squared()).fold(0.0, f64::max);
     Shape {
         normal,
         // Where they cancel out, no triangle is the one that is flipped.
-        is_fan: doubled_areas().all(|area| area.dot(normal) >= -turned_over)
+        is_fan: doubled_areas().all(|area| area.dot(normal) >= -flipped)
             && normal.length() >= TOLERANCE * all,
         is_sliver: doubled_areas().all(|area| area.length() <= TOLERANCE * longest),
     }
