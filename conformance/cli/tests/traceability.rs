@@ -5,6 +5,7 @@ mod common;
 
 use common::stdout_of;
 use saarcor_kit::requirements::{Covered, coverage};
+use saarcor_kit::templates;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -21,19 +22,11 @@ struct Faults {
     fault: Vec<Fault>,
 }
 
-/// A fault planted in the model has a theorem or a property test that finds it, one planted in an implementation a requirement.
+/// A fault planted in the model: what finds it is a theorem, or a property test, which speaks of no one requirement.
 #[derive(Deserialize)]
 struct Fault {
-    name: String,
     #[serde(default)]
     theorem: String,
-    #[serde(default)]
-    requirement: String,
-}
-
-fn faults(file: &str) -> Vec<Fault> {
-    let text = fs::read_to_string(path(file)).expect("a list of faults");
-    toml::from_str::<Faults>(&text).expect("a list of faults").fault
 }
 
 /// Names in a cell of a table.
@@ -49,15 +42,15 @@ fn document() -> String {
         of_theorem.insert(theorem.name, theorem.requirement);
     }
     let mut in_model: BTreeMap<&str, usize> = BTreeMap::new();
-    for fault in faults("proofs/faults.toml") {
-        // What a property test finds says nothing of one requirement.
+    let planted = fs::read_to_string(path("proofs/faults.toml")).expect("a list of faults");
+    for fault in toml::from_str::<Faults>(&planted).expect("a list of faults").fault {
         if let Some(requirement) = of_theorem.get(&*fault.theorem) {
             *in_model.entry(requirement).or_default() += 1;
         }
     }
     let mut in_implementations: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    for Fault { name, requirement, .. } in faults("conformance/duts/broken/faults.toml") {
-        in_implementations.entry(requirement).or_default().push(name);
+    for fault in templates::faults().expect("a list of faults") {
+        in_implementations.entry(fault.requirement).or_default().push(fault.name);
     }
     let mut text = String::from(
         "# Requirements, and what is about each\n\n\

@@ -173,7 +173,7 @@ fn faults_of_sizes_are_found_for_their_requirements_by_their_sessions() {
 }
 
 #[test]
-#[ignore = "takes minutes: large memories, long sessions, and Python"]
+#[ignore = "large memories, long sessions, and Python"]
 fn faults_of_large_sizes_are_found_for_their_requirements_by_their_sessions() {
     all_are_found_by_their_sessions(false, |fault, is_large| {
         is_large || IN_PYTHON.contains(&&*fault.template)
@@ -181,7 +181,7 @@ fn faults_of_large_sizes_are_found_for_their_requirements_by_their_sessions() {
 }
 
 #[test]
-#[ignore = "takes an hour: the whole default suite with each fault"]
+#[ignore = "holds the whole default suite with each of some seventy faults"]
 fn faults_of_sizes_are_found_by_the_default_suite() {
     all_are_found_by_their_sessions(true, |_, _| true);
 }
