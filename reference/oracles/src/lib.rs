@@ -29,6 +29,7 @@
 //! | [`bounded::Bounded`] | how far off a triangle test that rounds may be, in any of the [`formats`] |
 //! | [`embree`] | answers of the model, by Embree |
 //! | [`bvh::Bvh`] | kd-tree traversal, in large scenes |
+//! | [`memory_protocol::Checker`] | commands to the on-board memory, by the data sheet of its chips |
 
 pub mod bounded;
 pub mod bvh;
@@ -38,5 +39,6 @@ pub mod embree;
 pub mod exact;
 pub mod flat;
 pub mod formats;
+pub mod memory_protocol;
 pub mod metadata;
 pub mod search;
