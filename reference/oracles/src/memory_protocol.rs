@@ -174,7 +174,7 @@ struct Bank {
 
 /// Judges the commands of one memory, in their order. It begins with all banks closed.
 ///
-/// It holds the last commands of each bank and the data that are not over, so its size does not grow.
+/// It holds the last commands of each bank and the last bursts, so its size does not grow.
 #[derive(Clone, Debug)]
 pub struct Checker {
     timing: Timing,
@@ -183,10 +183,9 @@ pub struct Checker {
     activated: Option<u64>,
     refreshed: Option<u64>,
     refreshes: u64,
-    /// The last burst of any bank.
-    burst: Option<Transfer>,
-    /// Transfers whose data are not over. Of those that share no clock there are at most CL + 1.
-    bus: VecDeque<Transfer>,
+    /// The last CL + 1 bursts of any bank. Data of earlier ones are over by the next command, since no burst
+    /// comes before the one before has left the column path.
+    bursts: VecDeque<Transfer>,
     /// Transfers that wait for their data, by [`Direction`].
     waiting: [VecDeque<Transfer>; 2],
     /// Data were reported.
@@ -207,8 +206,7 @@ impl Checker {
             activated: None,
             refreshed: None,
             refreshes: 0,
-            burst: None,
-            bus: VecDeque::new(),
+            bursts: VecDeque::new(),
             waiting: [VecDeque::new(), VecDeque::new()],
             reports: false,
         }
@@ -257,9 +255,9 @@ impl Checker {
         if beats == 0 {
             return Err((Rule::BurstEmpty, beats, 1));
         }
-        let end = column.saturating_add(beats);
-        if end > timing.columns_a_row {
-            return Err((Rule::BurstLeavesRow, end, timing.columns_a_row));
+        let most = timing.columns_a_row - column;
+        if beats > most {
+            return Err((Rule::BurstLeavesRow, column, most));
         }
         let Some(open_row) = bank.open_row else {
             return Err((Rule::ClosedBank, bank.precharged.unwrap_or(0), 0));
@@ -268,13 +266,15 @@ impl Checker {
             return Err((Rule::OtherRow, open_row, 0));
         }
         after(Rule::Trcd, transfer.clock, bank.activated, timing.t_rcd)?;
-        for other in &self.bus {
+        for other in &self.bursts {
             let shared = other.begin.max(transfer.begin);
             if shared < other.end().min(transfer.end()) {
                 return Err((Rule::DataBus, other.clock, shared));
             }
         }
-        self.burst.map_or(Ok(()), |last| after(Rule::BurstCut, transfer.clock, Some(last.clock), last.beats))
+        self.bursts
+            .back()
+            .map_or(Ok(()), |last| after(Rule::BurstCut, transfer.clock, Some(last.clock), last.beats))
     }
 
     fn judge_precharge(&self, clock: u64, bank: Bank) -> Result<(), Finding> {
@@ -355,14 +355,12 @@ impl Checker {
     /// A burst takes the column path, its clocks of the data bus, and waits for its data.
     fn begin(&mut self, clock: u64, direction: Direction, burst: Burst) {
         let transfer = self.transfer(clock, direction, burst);
-        self.burst = Some(transfer);
         if let Some(bank) = self.banks.get_mut(burst.bank as usize) {
             bank.bursts[direction as usize] = Some(transfer);
         }
-        self.bus.retain(|other| other.end() > clock);
-        self.bus.push_back(transfer);
-        if self.bus.len() as u64 > self.timing.cl.saturating_add(1) {
-            self.bus.pop_front();
+        self.bursts.push_back(transfer);
+        if self.bursts.len() as u64 > self.timing.cl.saturating_add(1) {
+            self.bursts.pop_front();
         }
         let waiting = &mut self.waiting[direction as usize];
         waiting.push_back(transfer);

@@ -22,12 +22,16 @@ fn violations(timing: Timing, schedule: &str) -> Vec<Violation> {
     found
 }
 
+/// The rules that a schedule violates.
+fn rules(timing: Timing, schedule: &str) -> Vec<Rule> {
+    violations(timing, schedule).iter().map(|violation| violation.rule).collect()
+}
+
 /// The first schedule is legal, the second violates the rule, and no other.
 fn limit(timing: Timing, rule: Rule, legal: &str, illegal: &str) -> Violation {
     assert_eq!(violations(timing, legal), [], "{legal}");
-    let found = violations(timing, illegal);
-    assert_eq!(found.iter().map(|violation| violation.rule).collect::<Vec<_>>(), [rule], "{illegal}");
-    found[0]
+    assert_eq!(rules(timing, illegal), [rule], "{illegal}");
+    violations(timing, illegal)[0]
 }
 
 /// [`limit`] of PC133.
@@ -63,16 +67,19 @@ fn the_largest_numbers_are_judged_too() {
     let schedule = format!(
         "0,ACT,0,{most},, 3,RD,0,,{most},{most} {most},WR,{most},{most},{most},{most} {most},REF,all,,,"
     );
-    let rules = |timing| violations(timing, &schedule).iter().map(|found| found.rule).collect::<Vec<_>>();
-    assert_eq!(rules(PC133), [Rule::Row, Rule::Column, Rule::Bank, Rule::Clock, Rule::RefreshLate]);
-    let mut largest = PC133;
-    for (name, value) in largest.fields() {
-        if name != "banks" {
-            *value = most;
-        }
-    }
-    let expected = [Rule::Row, Rule::Column, Rule::Bank, Rule::Clock];
-    assert_eq!(rules(largest), expected);
+    assert_eq!(
+        rules(PC133, &schedule),
+        [Rule::Row, Rule::Column, Rule::Bank, Rule::Clock, Rule::RefreshLate]
+    );
+    let mut largest = Timing { banks: 4, ..PC133 };
+    largest.fields().into_iter().skip(1).for_each(|(_, value)| *value = most);
+    assert_eq!(rules(largest, &schedule), [Rule::Row, Rule::Column, Rule::Bank, Rule::Clock]);
+
+    let wide = Timing { columns_a_row: most, t_refi: 0, ..PC133 };
+    let schedule = format!("0,ACT,0,5,, {},RD,0,,0,{most} {most},WR,0,,0,{most}", most - 1);
+    assert_eq!(rules(wide, &schedule), [Rule::BurstCut]);
+    let rare = Timing { t_refi: most, ..PC133 };
+    assert_eq!(rules(rare, &format!("{},REF,all,,, {most},REF,all,,,", most - 9)), [Rule::RefreshEarly]);
 }
 
 #[test]
@@ -80,7 +87,7 @@ fn a_burst_has_beats_and_stays_in_its_row() {
     pc133(Rule::BurstEmpty, "0,ACT,0,5,, 3,RD,0,,4,1", "0,ACT,0,5,, 3,RD,0,,4,0");
     pc133(Rule::BurstEmpty, "0,ACT,0,5,, 3,WR,0,,4,1", "0,ACT,0,5,, 3,WR,0,,4,0");
     let found = pc133(Rule::BurstLeavesRow, "0,ACT,0,5,, 3,RD,0,,254,2", "0,ACT,0,5,, 3,RD,0,,254,3");
-    assert_eq!(says(found), "a burst ends before column 257 of 256");
+    assert_eq!(says(found), "a burst from column 254 on has at most 2 beats");
     pc133(Rule::BurstLeavesRow, "0,ACT,0,5,, 3,WR,0,,0,256", "0,ACT,0,5,, 3,WR,0,,0,257");
 }
 
@@ -99,7 +106,7 @@ fn commands_find_their_row_open_or_closed() {
     pc133(Rule::ClosedBank, "0,ACT,0,5,, 9,RD,0,,0,1", "0,ACT,0,5,, 6,PRE,all,,, 9,RD,0,,0,1");
     let found = pc133(Rule::OtherRow, "0,ACT,0,5,, 3,RD,0,5,0,1", "0,ACT,0,5,, 3,RD,0,6,0,1");
     assert_eq!(says(found), "RD or WR means another row than 5, which is open");
-    pc133(Rule::OtherRow, "0,ACT,0,5,, 3,WR,0,5,0,1", "0,ACT,0,5,, 3,WR,0,6,0,1");
+    pc133(Rule::OtherRow, "0,ACT,0,5,, 3,WR,0,5,0,1", "0,ACT,0,5,, 3,WR,0,4,0,1");
 }
 
 #[test]
@@ -133,7 +140,11 @@ fn trp_is_from_pre_to_act_or_ref() {
         "2070,ACT,0,5,, 2080,PRE,0,,, 2083,REF,all,,,",
         "2070,ACT,0,5,, 2081,PRE,0,,, 2083,REF,all,,,",
     );
-    pc133(Rule::Trp, "2079,PRE,3,,, 2080,PRE,0,,, 2083,REF,all,,,", "2081,PRE,3,,, 2083,REF,all,,,");
+    pc133(
+        Rule::Trp,
+        "2079,PRE,3,,, 2080,PRE,0,,, 2083,REF,all,,,",
+        "2079,PRE,3,,, 2081,PRE,0,,, 2083,REF,all,,,",
+    );
 }
 
 #[test]
@@ -267,6 +278,14 @@ fn without_an_interval_no_refresh_is_demanded_or_allowed() {
 }
 
 #[test]
+fn a_violation_is_named_once() {
+    // A bank that was closed too early is closed, and its next row has nothing to wait for.
+    assert_eq!(rules(PC133, "0,ACT,0,5,, 3,PRE,0,,, 4,PRE,0,,,"), [Rule::Tras]);
+    assert_eq!(rules(PC133, "0,ACT,0,5,, 3,WR,0,,0,99 9,PRE,0,,, 12,ACT,0,6,, 18,PRE,0,,,"), [Rule::Twr]);
+    assert_eq!(rules(PC133, "0,ACT,0,5,, 3,RD,0,,0,99 9,PRE,0,,, 12,ACT,0,6,, 18,PRE,0,,,"), [Rule::ReadCut]);
+}
+
+#[test]
 fn data_lie_where_their_commands_say() {
     let burst = |beats| Burst { bank: 0, row: None, column: 0, beats };
     let start = || {
@@ -301,6 +320,16 @@ fn data_lie_where_their_commands_say() {
     assert_eq!(rule(start().data(6, 8, Read)), Some(Rule::DataLength));
     assert_eq!(rule(start().data(5, 7, Write)), Some(Rule::WriteLatency));
     assert_eq!(rule(start().data(4, 5, Write)), Some(Rule::DataLength));
+
+    // Of many that wait the oldest is forgotten.
+    let mut many = Checker::new(PC133);
+    assert_eq!(many.check(0, Command::Activate { bank: 0, row: 5 }), Ok(()));
+    for clock in 3..3 + 65 {
+        assert_eq!(many.check(clock, Command::Read(burst(1))), Ok(()));
+    }
+    let violation = many.data(6, 7, Read).expect_err("forgotten");
+    assert_eq!((violation.rule, violation.at), (Rule::Cl, 4));
+    assert_eq!(many.data(8, 9, Read), Ok(()));
 
     // Left out: the next shows it, or the end.
     let mut left_out = start();

@@ -47,7 +47,9 @@ impl Rule {
             Self::Row => ("row", "there is no row {at}, since a bank has {limit}"),
             Self::Column => ("column", "there is no column {at}, since a row has {limit}"),
             Self::BurstEmpty => ("empty burst", "a burst has at least {limit} beat"),
-            Self::BurstLeavesRow => ("burst leaves row", "a burst ends before column {at} of {limit}"),
+            Self::BurstLeavesRow => {
+                ("burst leaves row", "a burst from column {at} on has at most {limit} beats")
+            }
             Self::OpenBank => ("open bank", "ACT finds its bank open since clock {at}"),
             Self::ClosedBank => ("closed bank", "RD or WR finds its bank closed since clock {at}"),
             Self::OtherRow => ("other row", "RD or WR means another row than {at}, which is open"),
