@@ -21,10 +21,11 @@
 //! * tWR counts from the clock after the last written beat. Data sheets count from the clock edge that takes
 //!   that beat, and so allow PRE a clock earlier: for them, give a `t_wr` that is 1 less.
 //! * PRE of a closed bank is legal, and tRP counts from the last PRE, whether it found the bank open or not.
+//!   Micron's model of the MT48LC16M16A2 takes PRE of a closed bank as NOP, which allows more.
 //! * RD, WR and PRE can end a burst early in the chips. Here no burst may be cut: a burst takes the column
 //!   path of all banks for as many clocks as it has beats.
 //! * Read data and the write data behind them need no clock between them.
-//! * No command but NOP comes within tRFC after REF.
+//! * No command but NOP comes within tRFC after REF. From ACT to REF only tRAS and tRP count.
 //! * Refreshes are spread: refresh `k` (1, 2, …) comes from clock `k * t_refi` to `(k + 1) * t_refi`, both
 //!   included. A `t_refi` of 0 demands none and allows none.
 //! * Left out: initialisation, auto precharge, burst terminate, DQM, power-down, self refresh, and the

@@ -232,6 +232,8 @@ fn data_share_no_clock() {
     assert_eq!(bus(&format!("{reads} 11,WR,0,,0,1"), &format!("{reads} 8,WR,0,,0,1")), (8, 5, 8));
     assert_eq!(bus(&format!("{reads} 11,WR,0,,0,1"), &format!("{reads} 9,WR,0,,0,1")), (9, 6, 9));
     assert_eq!(bus(&format!("{reads} 11,WR,0,,0,1"), &format!("{reads} 10,WR,0,,0,1")), (10, 7, 10));
+    let reads = (5..13).map(|clock| format!("{clock},RD,0,,0,1 ")).collect::<String>();
+    assert_eq!(bus(&format!("{reads} 16,WR,0,,0,1"), &format!("{reads} 13,WR,0,,0,1")), (13, 10, 13));
 }
 
 #[test]
