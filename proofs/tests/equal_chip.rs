@@ -4,8 +4,8 @@
 use proptest::prelude::*;
 use saarcor_fast::chip::{ChipObserver, simulate_observed};
 use saarcor_model::time::{
-    CardAccess, Chip, ChipConfig, L1Config, Load, MAX_COUNT, MetadataCacheConfig, Operation, PciConfig,
-    Program, Programs, SdramConfig, Stall, State, TimingReport, UNIT_NAMES, UnitConfig, Version,
+    CardAccess, Chip, ChipConfig, Command, L1Config, Load, MAX_COUNT, MetadataCacheConfig, Operation,
+    PciConfig, Program, Programs, SdramConfig, Stall, State, TimingReport, UNIT_NAMES, UnitConfig, Version,
 };
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr, Policy, Unit};
 use saarcor_oracles::card::CardShadow;
@@ -37,16 +37,23 @@ fn any_programs() -> impl Strategy<Value = Programs> {
         .prop_map(|(packets, base)| Programs { packets, triangles: HostAddr(base) })
 }
 
-/// A run whose card has a shadow.
-struct Shadowed<'a>(CardShadow<'a>);
+/// Keeps a shadow of the card, and the commands of the memory chips.
+struct Watch<'a> {
+    shadow: CardShadow<'a>,
+    commands: Vec<(u64, Command)>,
+}
 
-impl ChipObserver for Shadowed<'_> {
+impl ChipObserver for Watch<'_> {
     fn line_is_written(&mut self, _: u64, load: Load) {
-        self.0.write(load);
+        self.shadow.write(load);
     }
 
     fn part_is_read(&mut self, now: u64, addr: HostAddr, bytes: u64, card: u64) {
-        self.0.read(now, addr, bytes, card);
+        self.shadow.read(now, addr, bytes, card);
+    }
+
+    fn command(&mut self, clock: u64, command: Command) {
+        self.commands.push((clock, command));
     }
 }
 
@@ -71,13 +78,13 @@ prop_compose! {
         cas in 0_u32..4,
         ras_to_cas in 0_u32..4,
         precharge in 0_u32..4,
-        row_cycle in 0_u32..12,
+        (row_active, row_cycle, row_to_row) in (0_u32..9, 0_u32..12, 0_u32..5),
         write_recovery in 0_u32..3,
         (refresh_interval, refresh) in prop_oneof![Just((0, 0)), (30_u32..90, 1_u32..9)],
     ) -> SdramConfig {
         SdramConfig {
-            cycles_a_clock, beat_bytes, banks, row_bytes, cas, ras_to_cas, precharge, row_cycle,
-            write_recovery, refresh_interval, refresh,
+            cycles_a_clock, beat_bytes, banks, row_bytes, cas, ras_to_cas, precharge, row_active, row_cycle,
+            row_to_row, write_recovery, refresh_interval, refresh,
         }
     }
 }
@@ -140,6 +147,7 @@ proptest! {
 
     /// Through a memory of 1 to 64 lines, which packets evict in flight, each part that is read has the
     /// bytes of the host (VM-9), whatever happens when: in the chip between events and in the specification.
+    /// Their memory chips get the same commands.
     #[test]
     fn parts_have_the_bytes_of_the_host(
         config in any_chip(),
@@ -147,9 +155,9 @@ proptest! {
         before in prop::collection::vec(any_programs(), 0..2),
     ) {
         let host: Vec<u8> = (0..20_000_u32).map(|addr| (addr ^ addr >> 7) as u8).collect();
-        let mut fast = Shadowed(CardShadow::new(&host, &config));
+        let mut fast = Watch { shadow: CardShadow::new(&host, &config), commands: Vec::new() };
         simulate_observed(&before, &programs, &config, &mut fast).expect("a chip");
-        prop_assert!(fast.0.first.is_none(), "{}", fast.0.first.expect("a difference"));
+        prop_assert!(fast.shadow.first.is_none(), "{}", fast.shadow.first.expect("a difference"));
 
         let mut shadow = CardShadow::new(&host, &config);
         let mut chip = Chip::new(&before, &programs, &config).expect("a chip");
@@ -167,8 +175,9 @@ proptest! {
             });
         }
         prop_assert!(shadow.first.is_none(), "{}", shadow.first.expect("a difference"));
+        prop_assert_eq!(&fast.commands, &chip.sdram.commands);
         let report = chip.report();
-        prop_assert_eq!((fast.0.parts, shadow.parts), (report.l2.accesses, report.l2.accesses));
+        prop_assert_eq!((fast.shadow.parts, shadow.parts), (report.l2.accesses, report.l2.accesses));
     }
 }
 

@@ -5,10 +5,11 @@
 
 use saarcor_fast::chip::{ChipObserver, Traffic, simulate_observed};
 use saarcor_model::time::{
-    Chip, ChipConfig, Direction, L1Config, MetadataCacheConfig, Operation, Pci, PciConfig, Programs, Sdram,
-    SdramConfig, Span, TimingReport, TransferId, UnitConfig, Version,
+    Burst, Chip, ChipConfig, Command, Direction, L1Config, MetadataCacheConfig, Operation, Pci, PciConfig,
+    Programs, Sdram, SdramConfig, Span, TimingReport, TransferId, UnitConfig, Version,
 };
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr, Policy, Unit};
+use saarcor_oracles::memory_protocol::{self, Checker, Rule, Timing};
 use saarcor_proofs::time::chip::laws::{
     Account, Arrivals, HandOut, LookUps, Parts, Ports, Queue, Threads, Units, Waiting, run,
 };
@@ -30,7 +31,9 @@ impl Numbers {
 
 fn any_sdram(n: &mut Numbers) -> SdramConfig {
     let beat_bytes = n.of(&[1, 4, 8, 16]);
-    let (precharge, refresh) = (n.of(&[0, 1, 3, 20]), n.of(&[0, 1, 9, 40]));
+    let (precharge, refresh): (u32, u32) = (n.of(&[0, 1, 3, 20]), n.of(&[0, 1, 9, 40]));
+    // Each of its commands takes a clock.
+    let busy = precharge.max(1) + refresh.max(1);
     SdramConfig {
         cycles_a_clock: n.of(&[1, 2, 3, 4, 7]),
         beat_bytes,
@@ -39,9 +42,11 @@ fn any_sdram(n: &mut Numbers) -> SdramConfig {
         cas: n.of(&[0, 1, 3, 12]),
         ras_to_cas: n.of(&[0, 1, 3, 11]),
         precharge,
+        row_active: n.of(&[0, 4, 6, 20]),
         row_cycle: n.of(&[0, 5, 9, 60]),
+        row_to_row: n.of(&[0, 1, 2, 5]),
         write_recovery: n.of(&[0, 1, 2, 17]),
-        refresh_interval: n.of(&[0, precharge + refresh + 30, precharge + refresh + 1, 300, 2083]),
+        refresh_interval: n.of(&[0, busy + 30, busy + 1, 300, 2083]),
         refresh,
     }
 }
@@ -292,11 +297,53 @@ fn any_requests(
     (0..count).map(|_| request()).collect()
 }
 
-/// Holds the memory chips and their twin to the same times, and these to the order of the requests.
+/// Holds commands to the data sheet. Refreshes may come late here: requests queue up for longer than on a chip.
+#[track_caller]
+fn keeps_the_data_sheet(config: SdramConfig, commands: &[(u64, Command)]) {
+    let timing = Timing {
+        banks: config.banks.into(),
+        rows: u64::MAX,
+        columns_a_row: u64::from(config.row_bytes / config.beat_bytes),
+        cl: config.cas.into(),
+        t_rcd: config.ras_to_cas.into(),
+        t_rp: config.precharge.into(),
+        t_ras: config.row_active.into(),
+        t_rc: config.row_cycle.into(),
+        t_rrd: config.row_to_row.into(),
+        t_wr: config.write_recovery.into(),
+        t_rfc: config.refresh.into(),
+        t_refi: config.refresh_interval.into(),
+        // SD-4: a burst moves all its beats.
+        burst_cut: 0,
+    };
+    let mut checker = Checker::new(timing);
+    for &(clock, command) in commands {
+        let command = match command {
+            Command::Open(bank, row) => memory_protocol::Command::Activate { bank: bank as u64, row },
+            Command::Close(bank) => memory_protocol::Command::Precharge { bank: Some(bank as u64) },
+            Command::CloseAll => memory_protocol::Command::Precharge { bank: None },
+            Command::Refresh => memory_protocol::Command::Refresh,
+            Command::Move(Burst { bank, row, column, beats, direction }) => {
+                let burst = memory_protocol::Burst { bank: bank as u64, row: Some(row), column, beats };
+                match direction {
+                    Direction::Read => memory_protocol::Command::Read(burst),
+                    Direction::Write => memory_protocol::Command::Write(burst),
+                }
+            }
+        };
+        match checker.check(clock, command) {
+            Err(violation) if violation.rule != Rule::RefreshLate => panic!("{violation}, of {config:?}"),
+            _ => {}
+        }
+    }
+}
+
+/// Holds the memory chips and their twin to the same times and commands, these to the data sheet, and the times to
+/// the order of the requests.
 #[track_caller]
 fn memory_takes_the_same_time(config: SdramConfig, requests: &[(u64, u64, u64, Direction)]) {
     let (mut sdram, mut fast) = (Sdram::new(config), saarcor_fast::sdram::Sdram::new(config));
-    let (mut now, mut spans) = (0, Vec::new());
+    let (mut now, mut spans, mut commands) = (0, Vec::new(), Vec::new());
     sdram.begin_cycle(0);
     for &(at, addr, bytes, direction) in requests {
         while now < at {
@@ -306,6 +353,7 @@ fn memory_takes_the_same_time(config: SdramConfig, requests: &[(u64, u64, u64, D
         }
         let transfer = sdram.request(now, addr, bytes, direction);
         let moved = config.moved(addr, bytes);
+        commands.extend(std::iter::from_fn(|| fast.take_command(now)));
         spans.push((transfer, fast.transfer(now, addr, bytes, direction), moved));
     }
     let last = spans.last().map_or(0, |(_, span, _)| span.end);
@@ -314,6 +362,10 @@ fn memory_takes_the_same_time(config: SdramConfig, requests: &[(u64, u64, u64, D
         now += 1;
         sdram.begin_cycle(now);
     }
+    fast.refresh_until(now);
+    commands.extend(std::iter::from_fn(|| fast.take_command(now)));
+    assert!(commands == sdram.commands, "other commands, of {config:?}: {commands:?}, {:?}", sdram.commands);
+    keeps_the_data_sheet(config, &commands);
     let mut bus_free = 0;
     let cycles = u64::from(config.cycles_a_clock);
     for (number, &(transfer, span, moved)) in spans.iter().enumerate() {

@@ -2,7 +2,8 @@
 
 mod common;
 
-use common::{room_arg, stdout_of};
+use common::{refusal_of, room_arg, stdout_of};
+use saarcor_oracles::memory_protocol::{Checker, Command, PC133, Timing, commands};
 use serde_json::Value;
 
 /// The room's second frame, in a picture that takes a moment.
@@ -140,4 +141,41 @@ fn parts_are_compared_with_the_hosts_bytes() {
     }
     let text = stdout_of(&args(&room_arg(), &["--check-bytes"]));
     assert!(text.contains(" parts compared with the bytes of the host, 0 differ"), "{text}");
+}
+
+/// The commands of the memory chips are ones that the data sheet allows, and move all bytes that are counted.
+#[test]
+fn commands_of_the_memory_are_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for variant in ["none", "a", "b"] {
+        for sizes in [&[][..], &TIGHT] {
+            let file = folder.path().join("commands.csv");
+            let path = file.to_str().expect("UTF-8");
+            let args = [&["--variant", variant], sizes].concat();
+            let row = simulate(&[&args[..], &["--sdram-commands", path]].concat());
+            assert_eq!(row, simulate(&args), "the run is the same");
+            let text = std::fs::read(&file).expect("it was written");
+            // SD-4: a burst moves all its beats.
+            let mut checker = Checker::new(Timing { burst_cut: 0, ..PC133 });
+            let mut beats = 0;
+            for command in commands(&text[..]) {
+                let (clock, command) = command.expect("of the form");
+                assert_eq!(checker.check(clock, command), Ok(()));
+                if let Command::Read(burst) | Command::Write(burst) = command {
+                    beats += burst.beats;
+                }
+            }
+            assert_eq!(checker.finish(number(&row, "cycles") / 4), Ok(()));
+            // Metadata may still be written back when the last packet ends.
+            let moved = number(&row, "mem_bytes") / 16;
+            assert!(beats <= moved && moved - beats < 64, "{variant}: {beats} beats, {moved} counted");
+            assert!(variant == "b" || beats == moved, "{variant}: {beats} beats, {moved} counted");
+        }
+    }
+    let refused = |path: &str, why: &str| {
+        let text = refusal_of(&args(&room_arg(), &["--sdram-commands", path]));
+        assert!(text.contains(why), "{path}: {text}");
+    };
+    refused("commands.png", "csv");
+    refused("no/such/folder/commands.csv", "no such folder");
 }

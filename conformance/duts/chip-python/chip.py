@@ -6,7 +6,7 @@ from caches import FirstLevel
 from work import Work
 
 STANDARD = """pipelines=4 threads=16 tag=4 return=4 version=a line=128 lines=65536 ways=4 hash=add-upper policy=lru
-    granule=16 meta-sets=1024 clock=4 beat=16 banks=4 row=4096 cl=3 rcd=3 rp=3 rc=9 wr=2 refresh=2083 rfc=9
+    granule=16 meta-sets=1024 clock=4 beat=16 banks=4 row=4096 cl=3 rcd=3 rp=3 ras=6 rc=9 rrd=2 wr=2 refresh=2083 rfc=9
     pci-setup=38 pci-beat=4 pci-clock=16 triangles=0
     s-rate=1 s-latency=16 s-line=64 s-sets=256 n-rate=4 n-latency=8 n-line=8 n-sets=2048
     l-rate=64 l-latency=2 l-line=4 l-sets=4096 t-rate=1 t-latency=16 t-line=36 t-sets=1024"""

@@ -10,12 +10,14 @@ class MemoryChips:
     def __init__(self, config):
         self.config = config
         self.banks = [{"row": None, "may_open": 0, "may_close": 0} for _ in range(config["banks"])]
-        self.bus_free = self.next_command = 0
+        self.bus_free = self.may_open = self.next_command = 0
         self.due = config["refresh"]
+        self.taken = set()  # clocks from now on that have a command
 
     def request(self, cycle, address, size, write=False):
         """The cycle after the last beat, and the bytes that move: whole beats."""
         clock = -(-cycle // self.config["clock"])
+        self.taken = {taken for taken in self.taken if taken >= clock}
         while self.config["refresh"] and self.due <= clock:
             self.refresh()
         beat, in_row = self.config["beat"], self.config["row"] // self.config["beat"]
@@ -25,26 +27,36 @@ class MemoryChips:
             self.serve(clock, row, beats, write)
         return self.bus_free * self.config["clock"], (last - first + 1) * beat
 
+    def command(self, clock):
+        """Takes the first clock from `clock` on that has no command."""
+        while clock in self.taken:
+            clock += 1
+        self.taken.add(clock)
+        return clock
+
     def serve(self, clock, row, beats, write):
         config, bank = self.config, self.banks[row % self.config["banks"]]
         ready = clock
         if bank["row"] != row:
             if bank["row"] is not None:
-                ready = max(clock, bank["may_close"]) + config["rp"]
-            opened = max(ready, bank["may_open"])
-            bank["row"], bank["may_open"] = row, opened + config["rc"]
+                ready = self.command(max(clock, bank["may_close"])) + config["rp"]
+            opened = self.command(max(ready, bank["may_open"], self.may_open))
+            bank.update(row=row, may_open=opened + config["rc"], may_close=opened + config["ras"])
+            self.may_open = opened + config["rrd"]
             ready = opened + config["rcd"]
         latency = 0 if write else config["cl"]
-        command = max(ready, self.next_command, self.bus_free - latency)
+        command = self.command(max(ready, self.next_command, self.bus_free - latency))
         self.next_command, self.bus_free = command + 1, command + latency + beats
         done = self.bus_free + config["wr"] if write else command + beats
         bank["may_close"] = max(bank["may_close"], done)
 
     def refresh(self):
-        begin = max([self.due, self.bus_free] + [bank["may_close"] for bank in self.banks])
-        end = begin + self.config["rp"] + self.config["rfc"]
+        begin = max(self.due, self.bus_free)
+        if any(bank["row"] is not None for bank in self.banks):
+            begin = self.command(max([begin] + [bank["may_close"] for bank in self.banks])) + self.config["rp"]
+        end = self.command(max([begin] + [bank["may_open"] for bank in self.banks])) + self.config["rfc"]
         for bank in self.banks:
-            bank.update(row=None, may_open=max(end, bank["may_open"]), may_close=end)
+            bank.update(row=None, may_open=end)
         self.due += self.config["refresh"]
 
 

@@ -300,6 +300,8 @@ impl<'a, O: ChipObserver> Chip<'a, O> {
 
     fn reported(mut self) -> TimingReport {
         self.report.cycles = self.now;
+        self.sdram.refresh_until(self.now);
+        self.observe_commands();
         for (place, unit) in self.units.into_iter().enumerate() {
             let (sum, one) = (&mut self.report.units[place % 4], unit.reported(self.now));
             sum.busy += one.busy;
@@ -608,11 +610,19 @@ impl<'a, O: ChipObserver> Chip<'a, O> {
             _ => Direction::Read,
         };
         self.observer.request(self.now, card, bytes, direction);
+        self.observe_commands();
         let span = self.sdram.transfer(self.now, card, bytes, direction);
         let moved = self.config.sdram.moved(card, bytes);
         *bytes_of(&mut self.report, traffic) += moved;
         self.observer.transfer(packet, traffic, span, moved);
         span
+    }
+
+    /// The commands that the memory chips were given before this cycle.
+    fn observe_commands(&mut self) {
+        while let Some((clock, command)) = self.sdram.take_command(self.now) {
+            self.observer.command(clock, command);
+        }
     }
 
     /// Reads a part of a first-level line; with the last one, the line returns (CH-16).

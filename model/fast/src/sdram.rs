@@ -1,8 +1,9 @@
 //! The memory chips, each transfer in closed form. Twin of `saarcor_model::time::Sdram`: requests are
-//! served in the order in which they come, so every time is known as soon as a request comes (SD-1 to
-//! SD-5).
+//! served in the order in which they come, and the commands of later ones take the clocks that are left,
+//! so every time is known as soon as a request comes (SD-1 to SD-5).
 
-use saarcor_model::time::{Direction, SdramConfig, Span};
+use saarcor_model::time::{Burst, Command, Direction, SdramConfig, Span};
+use std::collections::VecDeque;
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Bank {
@@ -19,9 +20,13 @@ pub struct Sdram {
     banks: Vec<Bank>,
     /// First clock at which the data bus is free.
     bus_free: u64,
+    /// First clock at which a row of any bank may be opened.
+    may_open: u64,
     /// First clock at which the next read or write command may be given.
-    may_command: u64,
+    may_move: u64,
     next_refresh: u64,
+    /// The commands of requests so far that are still to be given, and some that were, by their clocks.
+    commands: VecDeque<(u64, Command)>,
 }
 
 impl Sdram {
@@ -32,11 +37,13 @@ impl Sdram {
             config,
             banks: vec![Bank::default(); config.banks as usize],
             bus_free: 0,
-            may_command: 0,
+            may_open: 0,
+            may_move: 0,
             next_refresh: match config.refresh_interval {
                 0 => u64::MAX,
                 interval => u64::from(interval),
             },
+            commands: VecDeque::new(),
         }
     }
 
@@ -45,12 +52,12 @@ impl Sdram {
     /// its row is one request a row.
     pub fn transfer(&mut self, now: u64, addr: u64, bytes: u64, direction: Direction) -> Span {
         let row = u64::from(self.config.row_bytes);
-        let comes = now.div_ceil(u64::from(self.config.cycles_a_clock));
+        let comes = self.refresh_until(now);
         let (mut addr, end) = (addr, addr + bytes);
         let mut span: Option<Span> = None;
         while addr < end {
             let here = end.min((addr / row + 1) * row) - addr;
-            let Span { begin, end } = self.in_row(comes, addr, self.config.beats(addr, here), direction);
+            let Span { begin, end } = self.in_row(comes, addr, here, direction);
             span = Some(Span { begin: span.map_or(begin, |span| span.begin), end });
             addr += here;
         }
@@ -59,54 +66,90 @@ impl Sdram {
         Span { begin: begin * cycles, end: end * cycles }
     }
 
-    /// The clocks of a request that stays in one row.
-    fn in_row(&mut self, comes: u64, addr: u64, beats: u64, direction: Direction) -> Span {
-        while self.next_refresh <= comes {
+    /// Takes the next command, with its clock, of those that are given before cycle `now`. Later requests
+    /// do not change them. Of them, the owner takes all before each request: they are kept until then.
+    pub fn take_command(&mut self, now: u64) -> Option<(u64, Command)> {
+        let (clock, _) = *self.commands.front()?;
+        if clock * u64::from(self.config.cycles_a_clock) < now { self.commands.pop_front() } else { None }
+    }
+
+    /// The refreshes that are due at the first clock from cycle `now` on, or before it; this clock.
+    pub fn refresh_until(&mut self, now: u64) -> u64 {
+        let clock = now.div_ceil(u64::from(self.config.cycles_a_clock));
+        while self.next_refresh <= clock {
             self.refresh();
         }
+        clock
+    }
+
+    /// The clocks of the `bytes` at `addr` of a request, which lie in one row.
+    fn in_row(&mut self, comes: u64, addr: u64, bytes: u64, direction: Direction) -> Span {
         let config = self.config;
-        let row = addr / u64::from(config.row_bytes);
+        let beats = config.beats(addr, bytes);
+        let row_bytes = u64::from(config.row_bytes);
         let banks = u64::from(config.banks);
-        let (bank, row) = (&mut self.banks[(row & (banks - 1)) as usize], row / banks);
+        let (number, row) = ((addr / row_bytes & (banks - 1)) as usize, addr / row_bytes / banks);
         // SD-3: when the row is open for commands.
-        let mut ready = comes;
+        let mut ready = comes.max(self.may_move);
+        let bank = self.banks[number];
         if bank.open != Some(row) {
-            let closed = match bank.open {
-                Some(_) => comes.max(bank.may_close) + u64::from(config.precharge),
-                None => comes,
+            let mut may_open = comes.max(bank.may_open).max(self.may_open);
+            if bank.open.is_some() {
+                let closed = self.give(comes.max(bank.may_close), Command::Close(number));
+                may_open = may_open.max(closed + u64::from(config.precharge));
+            }
+            let opened = self.give(may_open, Command::Open(number, row));
+            self.may_open = opened + u64::from(config.row_to_row);
+            self.banks[number] = Bank {
+                open: Some(row),
+                may_open: opened + u64::from(config.row_cycle),
+                may_close: opened + u64::from(config.row_active),
             };
-            let opened = closed.max(bank.may_open);
-            bank.open = Some(row);
-            bank.may_open = opened + u64::from(config.row_cycle);
-            ready = opened + u64::from(config.ras_to_cas);
+            ready = ready.max(opened + u64::from(config.ras_to_cas));
         }
         // SD-4: the command, such that the data follow those of the request before.
         let latency = match direction {
             Direction::Read => u64::from(config.cas),
             Direction::Write => 0,
         };
-        let command = ready.max(self.may_command).max(self.bus_free.saturating_sub(latency));
+        let column = addr % row_bytes / u64::from(config.beat_bytes);
+        let burst = Burst { bank: number, row, column, beats, direction };
+        let command = self.give(ready.max(self.bus_free.saturating_sub(latency)), Command::Move(burst));
         let (begin, end) = (command + latency, command + latency + beats);
         let may_close = match direction {
             Direction::Read => command + beats,
             Direction::Write => end + u64::from(config.write_recovery),
         };
+        let bank = &mut self.banks[number];
         bank.may_close = bank.may_close.max(may_close);
-        self.may_command = command + 1;
+        self.may_move = command + 1;
         self.bus_free = end;
         Span { begin, end }
     }
 
     /// SD-5: all that came before is done, all rows are closed, then the chips refresh.
     fn refresh(&mut self) {
-        let done = self.banks.iter().map(|bank| bank.may_close).fold(self.bus_free, u64::max);
-        let begin = done.max(self.next_refresh);
-        // It takes its clock, however short it is.
-        let end = begin + (u64::from(self.config.precharge) + u64::from(self.config.refresh)).max(1);
+        let mut clock = self.bus_free.max(self.next_refresh);
+        if self.banks.iter().any(|bank| bank.open.is_some()) {
+            let may_close = self.banks.iter().map(|bank| bank.may_close).fold(clock, u64::max);
+            clock = self.give(may_close, Command::CloseAll) + u64::from(self.config.precharge);
+        }
+        let may_open = self.banks.iter().map(|bank| bank.may_open).fold(clock, u64::max);
+        let refreshed = self.give(may_open, Command::Refresh) + u64::from(self.config.refresh);
         for bank in &mut self.banks {
-            *bank = Bank { open: None, may_open: end.max(bank.may_open), may_close: end };
+            *bank = Bank { open: None, may_open: refreshed, may_close: bank.may_close };
         }
         self.next_refresh += u64::from(self.config.refresh_interval);
+    }
+
+    /// Gives a command in the first clock from `clock` on in which no other is given; this clock.
+    fn give(&mut self, mut clock: u64, command: Command) -> u64 {
+        let mut place = self.commands.partition_point(|&(other, _)| other < clock);
+        while self.commands.get(place).is_some_and(|&(other, _)| other == clock) {
+            (place, clock) = (place + 1, clock + 1);
+        }
+        self.commands.insert(place, (clock, command));
+        clock
     }
 }
 

@@ -1,6 +1,7 @@
 //! The worked tables of SPEC.md say what the specification does.
 
 use saarcor_model::rays::{is_downwards, reciprocal, visit, widen};
+use saarcor_model::time::{Burst, Command, Direction, Sdram, SdramConfig};
 use saarcor_model::vm::{LineAddr, Policy, Set};
 use std::fmt::Write as _;
 
@@ -85,4 +86,47 @@ fn parts_of_a_ray() {
         let _ = writeln!(rows, "| {direction} | {difference} | {leave} | {distance} | {below} | {above} |");
     }
     is_the_table("parts of a ray", &rows);
+}
+
+#[test]
+fn commands_of_the_memory() {
+    let mut rows = String::from(
+        "| clock | command | bank | row | column | beats | data in clocks |\n|---|---|---|---|---|---|---|\n",
+    );
+    let mut sdram = Sdram::new(SdramConfig { refresh_interval: 40, ..SdramConfig::STANDARD });
+    let requests = [
+        (1, 0, 36, Direction::Read),
+        (1, 4 << 10, 8, Direction::Read),
+        (1, 16 << 10, 8, Direction::Read),
+        (1, (12 << 10) - 64, 128, Direction::Write),
+        (157, 0, 8, Direction::Read),
+    ];
+    for now in 0..=60 * 4 {
+        sdram.begin_cycle(now);
+        for (_, addr, bytes, direction) in requests.iter().filter(|request| request.0 == now) {
+            sdram.request(now, *addr, *bytes, *direction);
+        }
+        sdram.end_cycle(now);
+    }
+    for (clock, command) in sdram.commands {
+        let row = match command {
+            Command::Open(bank, row) => format!("ACT | {bank} | {row} | | |"),
+            Command::Close(bank) => format!("PRE | {bank} | | | |"),
+            Command::CloseAll => "PRE | all | | | |".to_owned(),
+            Command::Refresh => "REF | all | | | |".to_owned(),
+            Command::Move(Burst { bank, row, column, beats, direction }) => {
+                let (name, latency) = match direction {
+                    Direction::Read => ("RD", u64::from(SdramConfig::STANDARD.cas)),
+                    Direction::Write => ("WR", 0),
+                };
+                let data = match (clock + latency, clock + latency + beats - 1) {
+                    (first, last) if first == last => first.to_string(),
+                    (first, last) => format!("{first} to {last}"),
+                };
+                format!("{name} | {bank} | {row} | {column} | {beats} | {data}")
+            }
+        };
+        let _ = writeln!(rows, "| {clock} | {row} |");
+    }
+    is_the_table("commands of the memory", &rows);
 }

@@ -74,14 +74,15 @@ theorems! {
         check_eq!(config.check().is_ok(), legal, "lines of {line} bytes in {sets} sets, {version:?}: {:?}", config.check());
     }
 
-    /// A refresh interval is accepted exactly if it is 0, for never, or longer than the refresh takes.
+    /// A refresh interval is accepted exactly if it is 0, for never, or longer than the refresh takes: tRP and tRFC,
+    /// and a clock each at least.
     #["SD-5", not_for_kani "its errors are text", covers ["never", "just too short", "just long enough"]]
     fn refresh_leaves_time_for_work(s) {
         let mut config = standard(Version::None);
         let value = |s: &mut S, name| s.value(name, 0..=u32::MAX, &ENDS);
         let (interval, precharge, refresh) = (value(s, "interval"), value(s, "tRP"), value(s, "tRFC"));
         (config.sdram.refresh_interval, config.sdram.precharge, config.sdram.refresh) = (interval, precharge, refresh);
-        let busy = u64::from(precharge) + u64::from(refresh);
+        let busy = u64::from(precharge.max(1)) + u64::from(refresh.max(1));
         // What does not fit 32 bits no interval is longer than.
         let legal = interval == 0 || u64::from(interval) > busy;
         assume!(busy <= u64::from(u32::MAX) || interval < u32::MAX);

@@ -23,7 +23,8 @@
 //! * PRE of a closed bank is legal, and tRP counts from the last PRE, whether it found the bank open or not.
 //!   Micron's model of the MT48LC16M16A2 takes PRE of a closed bank as NOP, which allows more.
 //! * RD, WR and PRE can end a burst early in the chips. Here no burst may be cut: a burst takes the column
-//!   path of all banks for as many clocks as it has beats.
+//!   path of all banks for as many clocks as it has beats. A `burst_cut` of 0 is for chips in which RD and
+//!   WR end none.
 //! * Read data and the write data behind them need no clock between them.
 //! * No command but NOP comes within tRFC after REF. From ACT to REF only tRAS and tRP count.
 //! * Refreshes are spread: refresh `k` (1, 2, …) comes from clock `k * t_refi` to `(k + 1) * t_refi`, both
@@ -70,6 +71,8 @@ pub struct Timing {
     pub t_rfc: u64,
     /// From refresh to refresh; 0 for none.
     pub t_refi: u64,
+    /// 1 if RD and WR end a burst whose beats are not over, 0 if it moves all its beats whatever follows.
+    pub burst_cut: u64,
 }
 
 /// PC133 at 7.5 ns a clock: 128 bits wide, rows of 4 KB, and 4096 rows that are refreshed in 64 ms.
@@ -86,11 +89,12 @@ pub const PC133: Timing = Timing {
     t_wr: 2,
     t_rfc: 9,
     t_refi: 2083,
+    burst_cut: 1,
 };
 
 impl Timing {
     /// All fields, by name.
-    pub fn fields(&mut self) -> [(&'static str, &mut u64); 12] {
+    pub fn fields(&mut self) -> [(&'static str, &mut u64); 13] {
         [
             ("banks", &mut self.banks),
             ("rows", &mut self.rows),
@@ -104,6 +108,7 @@ impl Timing {
             ("t_wr", &mut self.t_wr),
             ("t_rfc", &mut self.t_rfc),
             ("t_refi", &mut self.t_refi),
+            ("burst_cut", &mut self.burst_cut),
         ]
     }
 }
@@ -184,8 +189,8 @@ pub struct Checker {
     activated: Option<u64>,
     refreshed: Option<u64>,
     refreshes: u64,
-    /// The last CL + 1 bursts of any bank. Data of earlier ones are over by the next command, since no burst
-    /// comes before the one before has left the column path.
+    /// The last CL + 1 bursts of any bank. Data of earlier ones are over by the next command, since their data
+    /// follow one another and each has a beat at least.
     bursts: VecDeque<Transfer>,
     /// Transfers that wait for their data, by [`Direction`].
     waiting: [VecDeque<Transfer>; 2],
@@ -273,9 +278,12 @@ impl Checker {
                 return Err((Rule::DataBus, other.clock, shared));
             }
         }
-        self.bursts
-            .back()
-            .map_or(Ok(()), |last| after(Rule::BurstCut, transfer.clock, Some(last.clock), last.beats))
+        match self.bursts.back() {
+            Some(last) if timing.burst_cut > 0 => {
+                after(Rule::BurstCut, transfer.clock, Some(last.clock), last.beats)
+            }
+            _ => Ok(()),
+        }
     }
 
     fn judge_precharge(&self, clock: u64, bank: Bank) -> Result<(), Finding> {

@@ -13,11 +13,11 @@ use glam::Vec3;
 use image::RgbImage;
 use rayon::prelude::*;
 use saarcor_fast::adaptive::FilteredIntersection;
-use saarcor_fast::chip::{ChipObserver, simulate_observed};
+use saarcor_fast::chip::ChipObserver;
 use saarcor_model::rays::{Frame, Pipeline, RayCounts};
 use saarcor_model::time::{
-    CacheReport, ChipConfig, ConfigError, Load, Program, Programs, Recorder, Stall, TimingReport, UNIT_NAMES,
-    UnitReport,
+    Burst, CacheReport, ChipConfig, Command, Direction, Load, Program, Programs, Recorder, Stall,
+    TimingReport, UNIT_NAMES, UnitReport,
 };
 use saarcor_model::vm::{HostAddr, Observed, WholeScene};
 use saarcor_oracles::card::CardShadow;
@@ -148,34 +148,51 @@ impl ForPackets for TracePackets<'_> {
     }
 }
 
-/// [`simulate`](saarcor_fast::chip::simulate), with a shadow of the card: each part that the chip reads
-/// from the card is compared with the bytes of `host`, the image of the scene. The shadow knows how many
-/// were compared, and the first that differs.
-///
-/// # Errors
-/// If the configuration makes no chip.
-pub fn simulate_checked<'a>(
-    before: &[Programs],
-    programs: &Programs,
-    config: &ChipConfig,
-    host: &'a [u8],
-) -> Result<(TimingReport, CardShadow<'a>), ConfigError> {
-    config.check()?;
-    let mut observer = Shadowed(CardShadow::new(host, config));
-    let report = simulate_observed(before, programs, config, &mut observer)?;
-    Ok((report, observer.0))
+/// Watches a run of the chip: an observer for [`simulate_observed`](saarcor_fast::chip::simulate_observed).
+#[derive(Default)]
+pub struct Watch<'a, 'host> {
+    /// A shadow of the card: each part that the chip reads from the card is compared with the bytes of the
+    /// host. The shadow knows how many were compared, and the first that differs.
+    pub shadow: Option<&'a mut CardShadow<'host>>,
+    /// Gets each command of the memory chips, with its clock.
+    pub commands: Option<&'a mut dyn FnMut(u64, Command)>,
 }
 
-/// Keeps a shadow of the card.
-struct Shadowed<'a>(CardShadow<'a>);
-
-impl ChipObserver for Shadowed<'_> {
+impl ChipObserver for Watch<'_, '_> {
     fn line_is_written(&mut self, _: u64, load: Load) {
-        self.0.write(load);
+        if let Some(shadow) = &mut self.shadow {
+            shadow.write(load);
+        }
     }
 
     fn part_is_read(&mut self, now: u64, addr: HostAddr, bytes: u64, card: u64) {
-        self.0.read(now, addr, bytes, card);
+        if let Some(shadow) = &mut self.shadow {
+            shadow.read(now, addr, bytes, card);
+        }
+    }
+
+    fn command(&mut self, clock: u64, command: Command) {
+        if let Some(commands) = &mut self.commands {
+            commands(clock, command);
+        }
+    }
+}
+
+/// Head of a table of commands of the memory chips, in CSV.
+pub const COMMANDS_HEAD: &str = "clock,command,bank,row,column,beats";
+
+/// A line of such a table. Fields that a command does not have are empty.
+#[must_use]
+pub fn command_line(clock: u64, command: Command) -> String {
+    match command {
+        Command::Open(bank, row) => format!("{clock},ACT,{bank},{row},,"),
+        Command::Move(Burst { bank, row, column, beats, direction }) => {
+            let name = if direction == Direction::Read { "RD" } else { "WR" };
+            format!("{clock},{name},{bank},{row},{column},{beats}")
+        }
+        Command::Close(bank) => format!("{clock},PRE,{bank},,,"),
+        Command::CloseAll => format!("{clock},PRE,all,,,"),
+        Command::Refresh => format!("{clock},REF,all,,,"),
     }
 }
 

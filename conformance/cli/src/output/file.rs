@@ -104,16 +104,19 @@ impl OutFile {
         self.is_stdout
     }
 
-    /// Writes the file: all of it, or nothing.
+    /// Writes the file: all of it, or nothing. Returns what `write` returns.
     ///
     /// # Errors
     /// Those of `write`, and if the file cannot be written.
-    pub fn write(&self, write: impl FnOnce(&mut (dyn Write + Send)) -> Result<()>) -> Result<()> {
+    pub fn write<T>(&self, write: impl FnOnce(&mut (dyn Write + Send)) -> Result<T>) -> Result<T> {
         if self.is_stdout {
             let mut out = BufWriter::new(io::stdout());
             // Twice: the process keeps lines that are not complete in a buffer of its own.
             let flushed = |out: &mut BufWriter<io::Stdout>| out.flush().and_then(|()| out.get_mut().flush());
-            let written = write(&mut out).and_then(|()| flushed(&mut out).map_err(stdout_error));
+            let written = write(&mut out).and_then(|value| {
+                flushed(&mut out).map_err(stdout_error)?;
+                Ok(value)
+            });
             return written.map_err(|error| match error {
                 error if is_closed(&error) => ClosedPipe.into(),
                 // Of the writer: what else may fail has its own words.
@@ -124,13 +127,15 @@ impl OutFile {
         let cannot = || format!("{}: cannot be written", self.path.display());
         if !self.is_replaced() {
             let mut out = BufWriter::new(File::options().write(true).open(&self.path).with_context(cannot)?);
-            write(&mut out).and_then(|()| Ok(out.flush()?)).with_context(cannot)?;
-            return Ok(());
+            let value = write(&mut out).with_context(cannot)?;
+            out.flush().with_context(cannot)?;
+            return Ok(value);
         }
         let mut out = BufWriter::new(self.temporary()?);
-        write(&mut out).and_then(|()| Ok(out.flush()?)).with_context(cannot)?;
+        let value = write(&mut out).with_context(cannot)?;
         let temporary = out.into_inner().map_err(io::IntoInnerError::into_error).with_context(cannot)?;
-        self.publish(temporary).with_context(cannot)
+        self.publish(temporary).with_context(cannot)?;
+        Ok(value)
     }
 
     /// Gives what was written its place. A file that is replaced keeps its mode; one of several names, or of another

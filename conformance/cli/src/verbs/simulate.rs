@@ -9,15 +9,17 @@ use crate::status::Status;
 use crate::table::{Column, Table};
 use crate::{sample, summary};
 use anyhow::Result;
-use saarcor_fast::chip::simulate;
-use saarcor_model::time::{ChipConfig, Programs, UNIT_NAMES, Version};
+use saarcor_fast::chip::{simulate, simulate_observed};
+use saarcor_model::time::{ChipConfig, Programs, TimingReport, UNIT_NAMES, Version};
 use saarcor_model::vm::Bytes;
 use saarcor_oracles::card::CardShadow;
 use saarcor_paper::mb;
 use saarcor_studies::names::version_name;
 use saarcor_studies::sampling::plan::SampleFraction;
 use saarcor_studies::sampling::simulate::{SampledFrame, simulate_sample};
-use saarcor_studies::simulate::{Recording, TimingRow, record, record_before, simulate_checked};
+use saarcor_studies::simulate::{
+    COMMANDS_HEAD, Recording, TimingRow, Watch, command_line, record, record_before,
+};
 use saarcor_studies::summary::Summary;
 use saarcor_studies::world::World;
 use serde::Serialize;
@@ -98,6 +100,12 @@ pub struct Args {
     /// first that differs is named on standard error, and the exit status is 1.
     #[arg(long, conflicts_with = "sample")]
     check_bytes: bool,
+    /// Writes each command of the memory chips, a CSV file
+    ///
+    /// Columns: clock,command,bank,row,column,beats. Clocks are those of the memory, and increase; commands are
+    /// ACT, RD, WR, PRE and REF; the bank is `all` where all are meant; what a command does not have is empty.
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "sample")]
+    sdram_commands: Option<PathBuf>,
     /// Prints one JSON object
     #[arg(long)]
     json: bool,
@@ -119,8 +127,10 @@ impl Args {
     pub fn run(self, progress: &Progress) -> Result<Status> {
         let config = self.frame.config()?;
         let file = self.out.as_deref().map(|path| OutFile::check(path)?.with_ending(&["png"])).transpose()?;
+        let commands = self.sdram_commands.as_deref();
+        let commands = commands.map(|path| OutFile::check(path)?.with_ending(&["csv"])).transpose()?;
         let world = self.auto.open(&self.frame.scene, Some(self.frame.frame), progress)?;
-        file.iter().try_for_each(|file| file.check_inputs(&world.files))?;
+        file.iter().chain(&commands).try_for_each(|file| file.check_inputs(&world.files))?;
         check_state(config.cache, Bytes(world.image.bytes.len() as u64))?;
         let scene = Summary::of(&world);
         let lines = summary::lines(&scene).into_iter().chain([summary::image_line(&scene)]);
@@ -150,10 +160,10 @@ impl Args {
         }
         let (before, recording) = self.frame.record(&world, progress);
         let programs = &recording.programs;
-        let (report, shadow) = progress.during("chip", |_| match self.check_bytes {
-            false => simulate(&before, programs, &config).map(|report| (report, None)),
-            true => simulate_checked(&before, programs, &config, &world.image.bytes)
-                .map(|(report, shadow)| (report, Some(shadow))),
+        let mut shadow = self.check_bytes.then(|| CardShadow::new(&world.image.bytes, &config));
+        let report = progress.during("chip", |_| match (&mut shadow, commands) {
+            (None, None) => Ok(simulate(&before, programs, &config)?),
+            (shadow, commands) => watched(&before, programs, &config, shadow.as_mut(), commands),
         })?;
         if let Some(file) = file {
             file.write(|out| write_png(&recording.picture.pixels, out))?;
@@ -184,6 +194,31 @@ impl Args {
         let _ = writeln!(std::io::stderr(), "saarcor: not the bytes of the host: {difference}");
         Ok(Status::Disproved)
     }
+}
+
+/// The report of a run that keeps a shadow of the card, and writes the commands of the memory chips to a file.
+fn watched(
+    before: &[Programs],
+    programs: &Programs,
+    config: &ChipConfig,
+    shadow: Option<&mut CardShadow<'_>>,
+    file: Option<OutFile>,
+) -> Result<TimingReport> {
+    let Some(file) = file else {
+        return Ok(simulate_observed(before, programs, config, &mut Watch { shadow, commands: None })?);
+    };
+    file.write(|out| {
+        let mut written = writeln!(out, "{COMMANDS_HEAD}");
+        let mut write = |clock, command| {
+            if written.is_ok() {
+                written = writeln!(out, "{}", command_line(clock, command));
+            }
+        };
+        let mut watch = Watch { shadow, commands: Some(&mut write) };
+        let report = simulate_observed(before, programs, config, &mut watch)?;
+        written?;
+        Ok(report)
+    })
 }
 
 fn percent(part: u64, whole: u64) -> String {

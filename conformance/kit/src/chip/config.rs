@@ -16,7 +16,7 @@ const KEYS: &str = "pipelines threads \
     l-rate l-latency l-line l-sets l-ports l-look-up l-mshrs \
     t-rate t-latency t-line t-sets t-ports t-look-up t-mshrs \
     tag return version line lines ways hash policy granule meta-sets \
-    clock beat banks row cl rcd rp rc wr refresh rfc \
+    clock beat banks row cl rcd rp ras rc rrd wr refresh rfc \
     pci-setup pci-beat pci-clock triangles tolerance";
 
 /// The standard chip (CH-2, CH-3, CH-17, SD-1 to SD-5, PC-1): every key with its value, in order.
@@ -103,7 +103,9 @@ impl Setting {
             "cl" => &mut chip.sdram.cas,
             "rcd" => &mut chip.sdram.ras_to_cas,
             "rp" => &mut chip.sdram.precharge,
+            "ras" => &mut chip.sdram.row_active,
             "rc" => &mut chip.sdram.row_cycle,
+            "rrd" => &mut chip.sdram.row_to_row,
             "wr" => &mut chip.sdram.write_recovery,
             "refresh" => &mut chip.sdram.refresh_interval,
             "rfc" => &mut chip.sdram.refresh,

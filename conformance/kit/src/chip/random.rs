@@ -46,7 +46,9 @@ pub fn config_of(seed: u64) -> String {
     for key in ["cl", "rcd", "rp"] {
         word(key, random.below(4));
     }
+    word("ras", random.below(9));
     word("rc", random.below(12));
+    word("rrd", random.below(5));
     word("wr", random.below(3));
     word("refresh", random.pick(&[0, 40, 75]));
     word("rfc", 1 + random.below(8));

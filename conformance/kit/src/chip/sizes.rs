@@ -91,7 +91,7 @@ pub fn sessions(extent: &Extent) -> Vec<SizedSession> {
         refreshes(if is_slow { 150 } else { 2000 }),
     );
     let parts = if is_slow { 1 } else { 20 };
-    let many = "pipelines=1 threads=1 refresh=0 pci-setup=0 pci-clock=1 tag=0 return=0 cl=0 rcd=0 rp=0 rc=0";
+    let many = "pipelines=1 threads=1 refresh=0 pci-setup=0 pci-clock=1 tag=0 return=0 cl=0 rcd=0 rp=0 ras=0 rc=0 rrd=0";
     for (name, requirement, unit, config) in [
         ("look-ups", "CH-12", Unit::List, "version=a line=64"),
         ("bytes-from-memory", "SD-1", Unit::Shading, "version=none"),
@@ -302,7 +302,9 @@ fn shape(number: u64) -> String {
     for key in ["cl", "rcd", "rp"] {
         word(key, random.below(6));
     }
+    word("ras", random.below(14));
     word("rc", random.below(20));
+    word("rrd", random.below(6));
     word("wr", random.below(5));
     word("refresh", random.pick(&[0, 500, 2083, 6000]));
     word("rfc", 1 + random.below(12));

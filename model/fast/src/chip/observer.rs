@@ -1,6 +1,6 @@
 //! What an observer of a run of the chip sees.
 
-use saarcor_model::time::{Direction, Load, Span, TimingReport};
+use saarcor_model::time::{Command, Direction, Load, Span, TimingReport};
 use saarcor_model::vm::HostAddr;
 
 /// What bytes move for.
@@ -60,6 +60,12 @@ pub trait ChipObserver {
     /// Of the on-board memory, `bytes` at `card` are asked for in cycle `now`: the transfer follows.
     fn request(&mut self, now: u64, card: u64, bytes: u64, direction: Direction) {
         let _ = (now, card, bytes, direction);
+    }
+
+    /// The memory chips get a command in a memory clock. Commands come in the order of their clocks, but some
+    /// cycles later than the chips get them; at the end of the run, all those of its cycles have come.
+    fn command(&mut self, clock: u64, command: Command) {
+        let _ = (clock, command);
     }
 
     /// In cycle `now` a line from the host is written to its place on the card. Pictures before the run

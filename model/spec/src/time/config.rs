@@ -189,7 +189,8 @@ impl ChipConfig {
         power_of_two("beat of the on-board memory", sdram.beat_bytes, 1, 1 << 12)?;
         power_of_two("number of banks", sdram.banks, 1, 1 << 12)?;
         power_of_two("row of the on-board memory", sdram.row_bytes, sdram.beat_bytes, 1 << 24)?;
-        let busy = sdram.precharge.saturating_add(sdram.refresh);
+        // Each command takes a clock, however short the time that follows.
+        let busy = sdram.precharge.max(1).saturating_add(sdram.refresh.max(1));
         let rests = sdram.refresh_interval == 0 || sdram.refresh_interval > busy;
         demand(rests, "clocks between refreshes", sdram.refresh_interval.into(), || {
             format!("0 for never, or more than the {busy} that a refresh takes")

@@ -25,4 +25,4 @@ pub use config::{
 pub use operation::{Operation, Program, Programs, Recorder};
 pub use pci::{Pci, PciConfig};
 pub use report::{CacheReport, Stall, TimingReport, UnitReport};
-pub use sdram::{Bank, Direction, Job, Sdram, SdramConfig, Span, TransferId};
+pub use sdram::{Bank, Burst, Command, Direction, Job, Sdram, SdramConfig, Span, TransferId};

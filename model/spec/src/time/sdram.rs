@@ -1,7 +1,8 @@
 //! The on-board memory chips (§4: 128 bit at 133 MHz, Stated) in time, clock by clock (SD-1 to SD-5).
 //!
-//! Banks with one open row each, one data bus for all. Requests are served in the order in which they
-//! come; the rows of later ones are opened while the data of earlier ones move.
+//! Banks with one open row each, and for all of them one bus of commands and one of data. Requests are
+//! served in the order in which they come; the rows of later ones are opened while the data of earlier
+//! ones move.
 
 use super::standard;
 use std::collections::VecDeque;
@@ -24,13 +25,17 @@ pub struct SdramConfig {
     pub ras_to_cas: u32,
     /// To close a row (tRP).
     pub precharge: u32,
+    /// From the opening of a row to its closing (tRAS).
+    pub row_active: u32,
     /// From the opening of a row to the next opening in the same bank (tRC).
     pub row_cycle: u32,
+    /// From the opening of a row to the next opening in any bank (tRRD).
+    pub row_to_row: u32,
     /// From the last beat of a write to the closing of its row (tWR).
     pub write_recovery: u32,
     /// A refresh is due each time that so many clocks have passed; 0: never.
     pub refresh_interval: u32,
-    /// Time that a refresh takes once all rows are closed (tRFC).
+    /// Time that a refresh takes (tRFC).
     pub refresh: u32,
 }
 
@@ -44,7 +49,9 @@ impl SdramConfig {
         cas: standard::CAS,
         ras_to_cas: standard::RAS_TO_CAS,
         precharge: standard::PRECHARGE,
+        row_active: standard::ROW_ACTIVE,
         row_cycle: standard::ROW_CYCLE,
+        row_to_row: standard::ROW_TO_ROW,
         write_recovery: standard::WRITE_RECOVERY,
         refresh_interval: standard::REFRESH_INTERVAL,
         refresh: standard::REFRESH,
@@ -84,23 +91,42 @@ pub struct Span {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TransferId(pub usize);
 
+/// Beats of a transfer that lie in one row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Burst {
+    /// The number of the bank.
+    pub bank: usize,
+    /// The row's number in the bank.
+    pub row: u64,
+    /// The first beat's number in the row.
+    pub column: u64,
+    /// Beats that move.
+    pub beats: u64,
+    /// Which way.
+    pub direction: Direction,
+}
+
 /// What the memory chips have to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Job {
-    /// To move beats of a transfer that lie in one row.
-    Move {
-        /// The transfer.
-        transfer: TransferId,
-        /// The number of the bank.
-        bank: usize,
-        /// The row's number in the bank.
-        row: u64,
-        /// Beats that move.
-        beats: u64,
-        /// Which way.
-        direction: Direction,
-    },
+    /// To move the next burst of a transfer.
+    Move(TransferId, Burst),
     /// To refresh all rows.
+    Refresh,
+}
+
+/// What the chips are told to do in a clock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Command {
+    /// To open a row of a bank (ACT).
+    Open(usize, u64),
+    /// To move a burst in the row that is open (RD, WR).
+    Move(Burst),
+    /// To close the row of a bank (PRE).
+    Close(usize),
+    /// To close all rows (PRE of all banks).
+    CloseAll,
+    /// To refresh (REF).
     Refresh,
 }
 
@@ -109,30 +135,32 @@ pub enum Job {
 pub struct Bank {
     /// The row that is open.
     pub open: Option<u64>,
-    /// The clock of its last opening.
-    pub opened: Option<u64>,
-    /// The clock from which on it is closed, where no row is open.
-    pub closed: u64,
+    /// The first clock in which a row may be opened, if none is open.
+    pub may_open: u64,
+    /// The first clock in which data of its row may be commanded.
+    pub may_move: u64,
     /// The first clock in which its row may be closed.
     pub may_close: u64,
 }
 
-/// The memory chips and their bus.
+/// The memory chips and their buses.
 #[derive(Clone, Debug)]
 pub struct Sdram {
     config: SdramConfig,
     /// First and last clock on the bus of each transfer, as far as its commands are given.
     transfers: Vec<Option<Span>>,
-    /// Jobs whose command is still to be given, in order.
+    /// Jobs whose last command is still to be given, in order.
     pub jobs: VecDeque<Job>,
     /// The banks.
     pub banks: Vec<Bank>,
     /// The clock in which the next refresh is due.
     pub refresh_due: u64,
-    /// The clock from which on the last refresh is over.
-    pub refreshed: u64,
-    /// The clock from which on the bus is free.
+    /// The first clock in which a row of any bank may be opened.
+    pub may_open: u64,
+    /// The clock from which on the bus of data is free.
     pub bus_free: u64,
+    /// The commands so far, and their clocks.
+    pub commands: Vec<(u64, Command)>,
 }
 
 impl Sdram {
@@ -144,8 +172,9 @@ impl Sdram {
             jobs: VecDeque::new(),
             banks: vec![Bank::default(); config.banks as usize],
             refresh_due: config.refresh_interval.into(),
-            refreshed: 0,
+            may_open: 0,
             bus_free: 0,
+            commands: Vec::new(),
         }
     }
 
@@ -159,17 +188,21 @@ impl Sdram {
         for row in addr / row_bytes..=(addr + bytes - 1) / row_bytes {
             let begin = addr.max(row * row_bytes);
             let end = (addr + bytes).min((row + 1) * row_bytes);
-            let (bank, row) = ((row % banks) as usize, row / banks);
-            let beats = self.config.beats(begin, end - begin);
-            self.jobs.push_back(Job::Move { transfer, bank, row, beats, direction });
+            let (column, beats) = (
+                begin % row_bytes / u64::from(self.config.beat_bytes),
+                self.config.beats(begin, end - begin),
+            );
+            let burst = Burst { bank: (row % banks) as usize, row: row / banks, column, beats, direction };
+            self.jobs.push_back(Job::Move(transfer, burst));
         }
         transfer
     }
 
-    /// When the data of a transfer are on the bus, once all its commands are given.
+    /// When the data of a transfer are on the bus, once all its commands are given: transfers are served in
+    /// order.
     pub fn span_of(&self, transfer: TransferId) -> Option<Span> {
-        let unfinished = |job: &Job| matches!(job, Job::Move { transfer: other, .. } if *other == transfer);
-        if self.jobs.iter().any(unfinished) {
+        let transfer_of = |job: &Job| if let Job::Move(transfer, _) = job { Some(transfer.0) } else { None };
+        if self.jobs.iter().find_map(transfer_of).is_some_and(|first| first <= transfer.0) {
             return None;
         }
         let cycles = u64::from(self.config.cycles_a_clock);
@@ -191,81 +224,110 @@ impl Sdram {
         }
     }
 
-    /// Ends a cycle: if a clock began with it, the chips do what they may with the requests so far.
+    /// Ends a cycle: if a clock began with it, the chips get its command.
     pub fn end_cycle(&mut self, now: u64) {
         let cycles = u64::from(self.config.cycles_a_clock);
-        let clock = now / cycles;
-        if !now.is_multiple_of(cycles) || clock < self.refreshed {
-            return;
+        if now.is_multiple_of(cycles)
+            && let Some(command) = self.next_command(now / cycles)
+        {
+            self.commands.push((now / cycles, command));
+            self.obey(now / cycles, command);
         }
+    }
+
+    /// The command of a clock: that of the first job to which one may be given (SD-4). A bank serves its
+    /// jobs in order, and a refresh holds up all that comes after it.
+    fn next_command(&self, clock: u64) -> Option<Command> {
         if self.jobs.front() == Some(&Job::Refresh) {
-            self.refresh(clock);
+            return self.next_of_refresh(clock);
+        }
+        let first_of = |bank: usize| self.bursts().enumerate().find(|(_, burst)| burst.bank == bank);
+        let first_jobs = (0..self.banks.len()).filter_map(first_of);
+        let given = first_jobs.filter_map(|(place, burst)| Some((place, self.next_of(place, burst, clock)?)));
+        given.min_by_key(|(place, _)| *place).map(|(_, command)| command)
+    }
+
+    /// The bursts before the next refresh, in order.
+    fn bursts(&self) -> impl Iterator<Item = Burst> {
+        self.jobs.iter().map_while(|job| if let Job::Move(_, burst) = *job { Some(burst) } else { None })
+    }
+
+    /// The command for the first burst of a bank, which has a place among all, if it may be given (SD-3).
+    fn next_of(&self, place: usize, burst: Burst, clock: u64) -> Option<Command> {
+        let bank = &self.banks[burst.bank];
+        let is_open = |burst: Burst| self.banks[burst.bank].open == Some(burst.row);
+        let (may, command) = if is_open(burst) {
+            let data_follow = self.first_beat(burst.direction, clock) >= self.bus_free;
+            (place == 0 && clock >= bank.may_move && data_follow, Command::Move(burst))
+        } else if bank.open.is_some() {
+            (clock >= bank.may_close, Command::Close(burst.bank))
         } else {
-            self.open_rows(clock);
-            self.give_command(clock);
+            let may_open = clock >= bank.may_open.max(self.may_open);
+            (may_open && self.bursts().take(place).all(is_open), Command::Open(burst.bank, burst.row))
+        };
+        may.then_some(command)
+    }
+
+    /// Once all data have moved, all rows are closed, and then the chips refresh (SD-5).
+    fn next_of_refresh(&self, clock: u64) -> Option<Command> {
+        if clock < self.bus_free {
+            None
+        } else if self.banks.iter().any(|bank| bank.open.is_some()) {
+            self.banks.iter().all(|bank| clock >= bank.may_close).then_some(Command::CloseAll)
+        } else {
+            self.banks.iter().all(|bank| clock >= bank.may_open).then_some(Command::Refresh)
         }
     }
 
-    /// Once all that came before is done, all rows are closed, and the chips refresh (SD-5).
-    fn refresh(&mut self, clock: u64) {
-        if clock < self.bus_free || self.banks.iter().any(|bank| clock < bank.may_close) {
-            return;
-        }
-        self.jobs.pop_front();
-        self.refreshed = clock + u64::from(self.config.precharge) + u64::from(self.config.refresh);
-        for bank in &mut self.banks {
-            bank.open = None;
-            (bank.closed, bank.may_close) = (self.refreshed, self.refreshed);
-        }
-    }
-
-    /// In each bank, the row of its first job is opened, and before that, another one closed (SD-3). A
-    /// refresh holds up all that comes after it.
-    fn open_rows(&mut self, clock: u64) {
-        for (number, bank) in self.banks.iter_mut().enumerate() {
-            let row_of = |job: &Job| match *job {
-                Job::Move { bank, row, .. } => Some((bank == number, row)),
-                Job::Refresh => None,
-            };
-            let first = self.jobs.iter().map_while(row_of).find(|(is_own, _)| *is_own);
-            let Some((_, row)) = first else { continue };
-            if bank.open.is_some_and(|open| open != row) && clock >= bank.may_close {
-                bank.open = None;
-                bank.closed = clock + u64::from(self.config.precharge);
-            }
-            let row_cycle = u64::from(self.config.row_cycle);
-            let may_open = bank.opened.is_none_or(|opened| clock >= opened + row_cycle);
-            if bank.open.is_none() && clock >= bank.closed && may_open {
-                bank.open = Some(row);
-                bank.opened = Some(clock);
-            }
-        }
-    }
-
-    /// The first job gets its command, if its row is open and its data follow those before (SD-4).
-    fn give_command(&mut self, clock: u64) {
-        let Some(&Job::Move { transfer, bank, row, beats, direction }) = self.jobs.front() else { return };
-        let bank = &mut self.banks[bank];
-        let ras_to_cas = u64::from(self.config.ras_to_cas);
-        let is_open =
-            bank.open == Some(row) && bank.opened.is_some_and(|opened| clock >= opened + ras_to_cas);
-        let begin = match direction {
+    /// When the data of a command are on the bus, from the first beat on.
+    fn first_beat(&self, direction: Direction, clock: u64) -> u64 {
+        match direction {
             Direction::Read => clock + u64::from(self.config.cas),
             Direction::Write => clock,
-        };
-        if !is_open || begin < self.bus_free {
-            return;
         }
-        self.jobs.pop_front();
+    }
+
+    /// What a command changes (SD-3 to SD-5).
+    fn obey(&mut self, clock: u64, command: Command) {
+        let after = |clocks: u32| clock + u64::from(clocks);
+        let config = self.config;
+        let close = |bank: &mut Bank| {
+            (bank.open, bank.may_open) = (None, bank.may_open.max(after(config.precharge)));
+        };
+        match command {
+            Command::Open(bank, row) => {
+                self.banks[bank] = Bank {
+                    open: Some(row),
+                    may_open: after(config.row_cycle),
+                    may_move: after(config.ras_to_cas),
+                    may_close: after(config.row_active),
+                };
+                self.may_open = after(config.row_to_row);
+            }
+            Command::Move(burst) => self.move_burst(clock, burst),
+            Command::Close(bank) => close(&mut self.banks[bank]),
+            Command::CloseAll => self.banks.iter_mut().for_each(close),
+            Command::Refresh => {
+                self.jobs.pop_front();
+                self.banks.iter_mut().for_each(|bank| bank.may_open = after(config.refresh));
+            }
+        }
+    }
+
+    /// The data of the first job move.
+    fn move_burst(&mut self, clock: u64, Burst { bank, beats, direction, .. }: Burst) {
+        let begin = self.first_beat(direction, clock);
         let end = begin + beats;
         self.bus_free = end;
         let may_close = match direction {
             Direction::Read => clock + beats,
             Direction::Write => end + u64::from(self.config.write_recovery),
         };
-        bank.may_close = bank.may_close.max(may_close);
-        let span = &mut self.transfers[transfer.0];
-        *span = Some(Span { begin: span.map_or(begin, |span| span.begin), end });
+        self.banks[bank].may_close = self.banks[bank].may_close.max(may_close);
+        if let Some(Job::Move(transfer, _)) = self.jobs.pop_front() {
+            let span = &mut self.transfers[transfer.0];
+            *span = Some(Span { begin: span.map_or(begin, |span| span.begin), end });
+        }
     }
 }
 
@@ -307,9 +369,9 @@ mod tests {
     fn rows_are_opened_closed_and_kept_open() {
         let read = |clock, addr| (clock, addr, 16, Direction::Read);
         let requests = [read(0, 0), read(10, 16), read(20, 4 * 4096), read(20, 0), read(20, 4096)];
-        // tRCD + CL; CL; tRP + tRCD + CL. The bank's row was opened at 23: the next at 32, after tRC. Another
-        // bank opens its row meanwhile.
-        let expected = [clocks(6, 7), clocks(13, 14), clocks(29, 30), clocks(38, 39), clocks(39, 40)];
+        // tRCD + CL; CL; tRP + tRCD + CL. The bank's row was opened at 23: the next at 32, after tRC, and that
+        // of the other bank at 34, after tRRD.
+        let expected = [clocks(6, 7), clocks(13, 14), clocks(29, 30), clocks(38, 39), clocks(40, 41)];
         assert_eq!(spans(QUIET, &requests), expected);
     }
 

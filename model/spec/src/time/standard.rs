@@ -81,13 +81,17 @@ pub const CAS: u32 = 3;
 pub const RAS_TO_CAS: u32 = 3;
 /// To close a row, tRP (SD-3, Assumed: PC133).
 pub const PRECHARGE: u32 = 3;
+/// From the opening of a row to its closing, tRAS (SD-3, Assumed: PC133).
+pub const ROW_ACTIVE: u32 = 6;
 /// From one opening in a bank to the next, tRC (SD-3, Assumed: PC133).
 pub const ROW_CYCLE: u32 = 9;
+/// From one opening to the next in any bank, tRRD (SD-3, Assumed: PC133).
+pub const ROW_TO_ROW: u32 = 2;
 /// From the last beat of a write to the closing of its row, tWR (SD-3, Assumed: PC133).
 pub const WRITE_RECOVERY: u32 = 2;
 /// Clocks between two refreshes (SD-5, Assumed: 15.6 µs).
 pub const REFRESH_INTERVAL: u32 = 2083;
-/// Clocks that a refresh takes once all rows are closed, tRFC (SD-5, Assumed).
+/// From a refresh to the next opening or refresh, tRFC (SD-5, Assumed).
 pub const REFRESH: u32 = 9;
 
 // The buses to the host.

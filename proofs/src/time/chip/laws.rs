@@ -88,9 +88,11 @@ pub fn held(config: &ChipConfig, programs: &Programs, law: &mut dyn Law) -> Resu
 pub fn longest_run(config: &ChipConfig, programs: &Programs) -> u64 {
     let SdramConfig { cycles_a_clock, beat_bytes, row_bytes, banks: _, .. } = config.sdram;
     let sdram = config.sdram;
-    let a_job = [sdram.cas, sdram.ras_to_cas, sdram.precharge, sdram.row_cycle, sdram.write_recovery];
-    let a_job: u64 = a_job.iter().map(|&clocks| u64::from(clocks)).sum::<u64>() + 2;
-    let a_refresh = u64::from(sdram.precharge) + u64::from(sdram.refresh) + 1;
+    let opening = [sdram.ras_to_cas, sdram.precharge, sdram.row_active, sdram.row_cycle, sdram.row_to_row];
+    let data = [sdram.cas, sdram.write_recovery];
+    // A clock for each of its three commands, and one to come at.
+    let a_job = opening.iter().chain(&data).map(|&clocks| u64::from(clocks)).sum::<u64>() + 4;
+    let a_refresh = u64::from(sdram.precharge) + u64::from(sdram.refresh) + 2;
     // A transfer is a job a row, and one beat more than its bytes need.
     let transfer = |bytes: u64| {
         let jobs = bytes / u64::from(row_bytes) + 2;

@@ -10,7 +10,7 @@ pub mod stalls;
 pub mod thread;
 pub mod turn;
 
-use crate::draw::BYTES;
+use crate::draw::{BYTES, flag};
 use crate::{check_eq, cover, theorems};
 use laws::{HandOut, LookUps, Nothing, Parts, Units, held};
 use saarcor_model::time::{
@@ -72,7 +72,7 @@ theorems! {
     fn every_run_ends(s) {
         let (mut config, programs) = scope::small(s);
         match s.value("extreme (none, refreshes, rows, tags, registers)", 0..=4_u8, &[0, 1, 2, 3, 4]) {
-            1 => config.sdram.refresh_interval = config.sdram.precharge + config.sdram.refresh + 1,
+            1 => config.sdram.refresh_interval = config.sdram.precharge.max(1) + config.sdram.refresh.max(1) + 1,
             2 => (config.sdram.row_bytes, config.sdram.banks) = (config.sdram.beat_bytes, 1),
             3 => (config.tag_latency, config.return_latency) = (0, 0),
             4 => config.l1.iter_mut().for_each(|l1| (l1.mshrs, l1.sets, l1.ports) = (1, 1, 3)),
@@ -80,7 +80,7 @@ theorems! {
         }
         cover!(s, "version A", config.version == Version::A);
         cover!(s, "version B", config.version == Version::B);
-        let busy = config.sdram.precharge + config.sdram.refresh;
+        let busy = config.sdram.precharge.max(1) + config.sdram.refresh.max(1);
         cover!(s, "hardly any time between refreshes", config.sdram.refresh_interval == busy + 1);
         held(&config, &programs, &mut Nothing)?;
     }
@@ -121,6 +121,29 @@ theorems! {
         let cycles = missed(&config) + work + u64::from(config.l1[kind].latency) + work;
         let report = simulate(&[], &programs, &config);
         check_eq!(report.map(|report| report.cycles), Ok(cycles), "{rays} rays on {config:?}");
+    }
+
+    /// In version B a tag waits for the metadata that it reads, not for what is written back: a line comes from the host
+    /// as early as if nothing had to be.
+    #["CH-13", not_for_kani "whole runs of a chip", covers ["written back", "not written back"]]
+    fn tag_waits_for_its_reads_alone(s) {
+        let mut config = alone(Version::B);
+        config.cache.geometry = Geometry::new(Bytes(4096), Bytes(16), 1).expect("legal");
+        config.tag_latency = s.value("tag latency", 0..=40, &FEW);
+        config.sdram.cycles_a_clock = s.value("core cycles a memory clock", 1..=16, &[1, 4]);
+        // The metadata of each of these lines lie in a granule of their own, and the cache holds four.
+        let full = flag(s, "metadata cache full of changes");
+        let lines = [0, 2, 5, 7].into_iter().take(if full { 4 } else { 3 });
+        let read = |line: u32, rays| Operation { addr: HostAddr(16 * line), bytes: 4, rays, unit: Unit::Traversal };
+        let before = Programs { packets: vec![lines.map(|line| read(line, 0)).collect()], triangles: HostAddr(0) };
+        let programs = Programs { packets: vec![[read(8, 1)].into()], triangles: HostAddr(0) };
+        let kind = Unit::Traversal as usize;
+        let work = cycles_of(1, config.units[kind].rays_a_cycle) + u64::from(config.units[kind].latency);
+        let report = simulate(&[before], &programs, &config);
+        let written_back = report.as_ref().map_or(0, |report| report.metadata_write_back_bytes);
+        cover!(s, "written back", written_back > 0);
+        cover!(s, "not written back", written_back == 0);
+        check_eq!(report.map(|report| report.cycles), Ok(missed(&config) + work), "{written_back} bytes written back, {config:?}");
     }
 }
 
