@@ -115,7 +115,7 @@ pub enum Job {
     Refresh,
 }
 
-/// What the chips are told to do in a clock.
+/// A command to the chips: one a clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
     /// To open a row of a bank (ACT).
