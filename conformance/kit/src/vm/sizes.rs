@@ -5,18 +5,13 @@ use super::config;
 use crate::hex::{push_request, push_write};
 use crate::level::Level;
 use crate::sizes::{Extent, SizedSession};
-use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, LineAddr};
+use saarcor_model::vm::{CacheConfig, LineAddr};
 use saarcor_random::Random;
 
-/// Ways of sets.
-const WAYS: [u32; 5] = [1, 2, 4, 8, 16];
 /// Lines have up to this power of two of bytes.
 const LINE_BITS: u64 = 15;
 /// Shapes of a plan: each length of a line with each policy.
 const SHAPES: u64 = (LINE_BITS + 1) * config::POLICIES.len() as u64;
-/// Most bytes of memory of a shape, and most lines, as powers of two.
-const MEMORY_BITS: u64 = 26;
-const SHAPE_LINE_BITS: u64 = 18;
 
 const ANY: (&str, Option<Level>, &str) = ("", None, "");
 const STANDARD: &str = "line=128 lines=65536 ways=4 hash=add-upper policy=lru";
@@ -255,14 +250,10 @@ fn shape(number: u64) -> SizedSession {
     let mut random = Random::new(number);
     let (line_bits, policy) =
         (number % (LINE_BITS + 1), number / (LINE_BITS + 1) % config::POLICIES.len() as u64);
-    let ways = WAYS[((line_bits + policy + number / SHAPES) % WAYS.len() as u64) as usize];
-    let most = SHAPE_LINE_BITS.min(MEMORY_BITS - line_bits);
-    let set_bits = random.below(most + 1 - u64::from(ways.ilog2()));
-    let memory = Bytes(u64::from(ways) << (line_bits + set_bits));
-    let geometry = Geometry::new(memory, Bytes(1 << line_bits), ways).expect("powers of two");
-    let (_, hash) = random.pick::<(&str, Hash)>(config::HASHES);
+    let ways = config::WAYS;
+    let ways = ways[((line_bits + policy + number / SHAPES) % ways.len() as u64) as usize];
     let (_, policy) = config::POLICIES[policy as usize];
-    let config = config::text(&CacheConfig { geometry, hash, policy });
+    let config = config::text(&config::drawn(&mut random, line_bits, ways, policy));
     SizedSession::new(Vm, &format!("shape/{number}"), ANY, &config, move |config| shaped(config, number))
 }
 
