@@ -75,6 +75,21 @@ impl Kind for Kd {
         sizes::sessions(extent)
     }
 
+    fn recorded(&self, requests: usize) -> Vec<Session> {
+        let parsed = |(name, text): &(&str, &str)| Session::parse(name, text).expect("a suite of the kit");
+        let cut = |session: Session| {
+            let is_ray = |request: &[u8]| request.starts_with(b"c ") || request.starts_with(b"a ");
+            let others = session.requests().take_while(|request| !is_ray(request)).count();
+            let mut cut = session.with_those(|place| place < others.saturating_add(requests));
+            let rays = cut.requests().count() - others;
+            cut.idea = format!(
+                "The first {rays} rays of a recorded frame, over the triangles that they are tested with."
+            );
+            cut
+        };
+        suites::KD_FRAMES.iter().flat_map(parsed).map(cut).collect()
+    }
+
     /// Checks that each ray has a legal scene.
     fn check(&self, session: &Session) -> Result<(), Error> {
         let mut model = KdOracle::new(Oracle::Model, session.config()).map_err(Error::in_config)?;

@@ -48,7 +48,7 @@ impl Kind for Vm {
     }
 
     fn random_config(&self, seed: u64) -> Cow<'static, str> {
-        random::config_of(seed).into()
+        random::config_of(seed)
     }
 
     fn random_requests(&self, config: &str, seed: u64, count: usize) -> Vec<u8> {
@@ -60,11 +60,7 @@ impl Kind for Vm {
     }
 
     fn recorded(&self, requests: usize) -> Vec<Session> {
-        let frames = trace::FRAMES.iter().flat_map(|(name, din)| {
-            let addresses = trace::parse_din(din).expect("a trace of the kit, which a test reads");
-            trace::sessions(name, self.hello(), &addresses, requests)
-        });
-        frames.collect()
+        trace::recorded(self, trace::CONFIGS, requests, trace::requests)
     }
 
     fn check(&self, session: &Session) -> Result<(), Error> {
