@@ -6,9 +6,10 @@ use saarcor_kit::level::Level;
 use saarcor_kit::plan::sessions_named;
 use saarcor_kit::scoreboard::check_answers;
 use saarcor_kit::server::serve;
+use saarcor_kit::sizes::Extent;
 
 fn main() -> Result<(), Error> {
-    let (kind, sessions) = sessions_named("vm/lru-victim", 0)?;
+    let (kind, sessions) = sessions_named("vm/lru-victim", &Extent { seed: 0, requests: 0 })?;
     let session = &sessions[0];
     println!("{}: {}", session.name, session.idea);
 

@@ -42,6 +42,8 @@ pub struct ConformanceReport {
     pub unsupported: Vec<UnsupportedKey>,
     /// What the sessions exercise of the model.
     pub coverage: Vec<CoverageCount>,
+    /// Answers that are right, though they are not the model's, by the requirement that leaves them open.
+    pub admitted: Vec<AdmittedAnswers>,
     /// Each session that was planned, in the order of the plan.
     pub outcomes: Vec<SessionOutcome>,
     /// Sessions that were run.
@@ -58,6 +60,21 @@ pub struct ConformanceReport {
     pub random_seconds: f64,
     /// Why sessions were left out, if some were.
     pub stopped: Option<String>,
+}
+
+/// Answers that are right, though they are not the model's.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct AdmittedAnswers {
+    /// The requirement that leaves them open.
+    pub requirement: String,
+    /// How many there were.
+    pub answers: u64,
+    /// The first session that has one.
+    pub session: String,
+    /// What was asked there.
+    pub asked: String,
+    /// Why the answer is right, in a sentence.
+    pub why: String,
 }
 
 /// What became of a session.
@@ -290,6 +307,10 @@ pub struct Failure {
     pub session: String,
     /// The row of [`ConformanceReport::requirements`] that counts the session.
     pub row: String,
+    /// Its configuration, before it was shrunk.
+    pub config: String,
+    /// What 'saarcor conform run' is asked for to hold it again as it was; none where that is its name, or a file's.
+    pub again: Option<String>,
     /// Its idea.
     pub idea: String,
     /// What differs, in a sentence.
@@ -368,6 +389,8 @@ impl Failure {
         }
         text += &format!("  requests  {} of {}, {}\n", self.minimal_requests, self.session, self.shrunk());
         self.minimal.iter().for_each(|line| text += &format!("    {line}\n"));
+        let again = self.again.as_ref().map_or_else(String::new, |again| format!(" ({again})"));
+        text += &format!("  found in  {}{again}\n", self.config);
         text +=
             &format!("  asked     {}\n  expected  {}\n  got       {}\n", self.asked, self.expected, self.got);
         if let Some(marks) = marks(&self.got, &self.differences()) {

@@ -93,6 +93,7 @@ fn failure(
     let _alone = run.alone(result.place);
     let session = run.session(result.place);
     let found_requests = session.requests().count();
+    let config = session.config().to_owned();
     let mut trouble = None;
     let mut fails = |session: &Session| {
         let mut scoreboard = Scoreboard::new(kind, session, options.highest());
@@ -124,6 +125,8 @@ fn failure(
         level: finding.level,
         session: minimal.name.clone(),
         row: result.row.clone(),
+        config,
+        again: run.planned[result.place].again(kind, &options.extent()),
         idea: minimal.idea.clone(),
         says: finding.says.clone(),
         suite: minimal.to_suite(),

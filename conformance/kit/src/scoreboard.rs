@@ -4,7 +4,7 @@
 //! Answers may also be there already: [`check_answers`] is the last of the three filters
 //! `generate | implementation | check`.
 
-use crate::comparison::Comparison;
+use crate::comparison::{Admitted, Comparison};
 use crate::error::Error;
 use crate::kind::Kind;
 use crate::level::Level;
@@ -153,6 +153,12 @@ impl<'a> Scoreboard<'a> {
     #[must_use]
     pub fn unobserved(&self) -> &[&'static str] {
         &self.unobserved
+    }
+
+    /// What answers so far were right, though they were not the model's.
+    #[must_use]
+    pub fn admitted(&self) -> &[Admitted] {
+        self.comparison.as_ref().map_or(&[], |comparison| comparison.admitted())
     }
 
     /// Judges the next answer, a line without its newline, given how much of the session's text had

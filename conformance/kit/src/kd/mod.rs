@@ -141,7 +141,7 @@ impl Kind for Kd {
         Box::new(GeneratedScene::of(scene).simpler().map(of))
     }
 
-    /// The right walk.
+    /// The right hits, with their bounds, and the right walk.
     fn state_before(&self, session: &Session, request: usize) -> Vec<String> {
         let Ok(mut model) = KdOracle::new(Oracle::Model, session.config()) else { return Vec::new() };
         for line in session.requests().take(request) {
@@ -155,6 +155,7 @@ impl Kind for Kd {
         };
         let Ray { origin, direction, t_min, t_max } = ray;
         let mut rows = vec![format!("ray from {origin} along {direction}, t {t_min} to {t_max}")];
+        rows.extend(truth::Truth::new(scene, &ray).rows());
         rows.extend(walk::steps(memory, scene, &ray).iter().map(walk::Step::text));
         rows
     }
