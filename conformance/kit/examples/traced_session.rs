@@ -16,9 +16,10 @@ fn main() -> Result<(), Error> {
     // The protocol around an implementation in process; yours takes the model's place.
     let model = |kind: &dyn Kind, config: &str| kind.oracle(Oracle::Model, config);
     let mut answers = Vec::new();
-    serve(&model, session.text(), &mut answers).expect("memory can be written");
+    serve(&model, &*session.text(), &mut answers).expect("memory can be written");
 
-    let (requests, answered) = (String::from_utf8_lossy(session.text()), String::from_utf8_lossy(&answers));
+    let (sent, answered) = (session.text(), String::from_utf8_lossy(&answers));
+    let requests = String::from_utf8_lossy(&sent);
     for (request, answer) in requests.lines().filter(|line| !line.starts_with('#')).zip(answered.lines()) {
         println!("-> {request:<56} <- {answer}");
     }

@@ -2,6 +2,7 @@
 
 use crate::coverage::CoverageCount;
 use crate::level::Level;
+use crate::session::Session;
 use crate::shown::{differences, marks, visible};
 use serde::Serialize;
 use std::ops::Range;
@@ -315,9 +316,9 @@ pub struct Failure {
     pub idea: String,
     /// What differs, in a sentence.
     pub says: String,
-    /// The shortest session that still fails, as a suite file.
+    /// The shortest session that still fails.
     #[serde(skip)]
-    pub suite: Vec<u8>,
+    pub suite: Session,
     /// Its lines, but for the middle of one that is long.
     pub minimal: Vec<String>,
     /// Its requests.
@@ -353,14 +354,14 @@ pub struct UnsupportedKey {
 const SHOWN_LINES: usize = 40;
 
 /// The lines of a session, but for the middle of one that is long.
-pub(crate) fn shown_lines(text: &[u8]) -> Vec<String> {
-    let text = String::from_utf8_lossy(text);
-    let lines: Vec<&str> = text.lines().collect();
-    let more = lines.len().saturating_sub(2 * SHOWN_LINES);
-    let (begin, end) = (lines.len().min(SHOWN_LINES), lines.len().min(SHOWN_LINES) + more);
+pub(crate) fn shown_lines(session: &Session) -> Vec<String> {
+    let text = |line: &[u8]| String::from_utf8_lossy(line).into_owned();
+    let count = session.lines().count();
+    let more = count.saturating_sub(2 * SHOWN_LINES);
+    let begin = session.lines().take(if more > 0 { SHOWN_LINES } else { count });
+    let end = session.lines().skip(if more > 0 { count - SHOWN_LINES } else { count });
     let left_out = (more > 0).then(|| format!("# and here {more} lines more"));
-    let owned = |line: &&str| (*line).to_owned();
-    lines[..begin].iter().map(owned).chain(left_out).chain(lines[end..].iter().map(owned)).collect()
+    begin.map(text).chain(left_out).chain(end.map(text)).collect()
 }
 
 impl Failure {

@@ -110,7 +110,7 @@ fn failure(
         if !options.shrink || result.timeout.is_some() || finding.requirement == FRESH || deadline.has_come()
         {
             // Each try would take the time limit again, or would pass: only the requests behind the failing one are left out.
-            let session = session.with_requests(session.requests().take(finding.asked_by_then()));
+            let session = session.with_those(|place| place < finding.asked_by_then());
             ShrinkResult { session, finding: finding.clone(), cut_short: true }
         } else {
             shrink(kind, session, finding, deadline, &mut fails)
@@ -129,8 +129,7 @@ fn failure(
         again: run.planned[result.place].again(kind, &options.extent()),
         idea: minimal.idea.clone(),
         says: finding.says.clone(),
-        suite: minimal.to_suite(),
-        minimal: shown_lines(minimal.text()),
+        minimal: shown_lines(&minimal),
         minimal_requests: minimal.requests().count(),
         found_requests,
         cut_short,
@@ -139,6 +138,7 @@ fn failure(
         expected: finding.expected.clone(),
         got: finding.got.clone(),
         stderr: result.stderr.clone(),
+        suite: minimal,
         replay: None,
     })
 }

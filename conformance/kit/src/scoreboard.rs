@@ -173,7 +173,7 @@ impl<'a> Scoreboard<'a> {
             return self.broken("P-4", "no answer yet", line, "an answer before its request was sent");
         }
         match self.stage {
-            Stage::Requests if next < self.session.text().len() => self.request(request, line),
+            Stage::Requests if next < self.session.len() => self.request(request, line),
             Stage::Requests if line == b"end" => self.stage = Stage::Ended,
             Stage::Requests => self.broken("P-6", "end", line, "'end' is answered by 'end'"),
             Stage::Hello => self.hello(line),
@@ -192,7 +192,7 @@ impl<'a> Scoreboard<'a> {
 
     /// Says what is wrong behind the last answer, or with the conversation as a whole.
     pub fn misbehaves(&mut self, requirement: &'static str, says: &str) {
-        self.at = self.session.text().len();
+        self.at = self.session.len();
         self.broken(requirement, "", b"", says);
     }
 
@@ -319,7 +319,7 @@ pub struct CheckedAnswers {
 #[must_use]
 pub fn check_answers(kind: &dyn Kind, session: &Session, answers: &[u8], level: Level) -> CheckedAnswers {
     let mut scoreboard = Scoreboard::new(kind, session, level);
-    let sent = session.text().len();
+    let sent = session.len();
     let whole = answers.strip_suffix(b"\n").unwrap_or(answers);
     for answer in whole.split(|&byte| byte == b'\n').filter(|_| !answers.is_empty()) {
         if matches!(scoreboard.stage(), Stage::Broken | Stage::Unsupported) {

@@ -148,7 +148,7 @@ fn answers_that_are_checked_agree_up_to_what_was_observed() {
         Ok::<Box<dyn Implementation>, Error>(Box::new(Blinder { model, observes: "hit" }))
     };
     let mut answers = Vec::new();
-    serve(&make, session.text(), &mut answers).expect("memory can be written");
+    serve(&make, &*session.text(), &mut answers).expect("memory can be written");
     let checked = check_answers(&Vm, &session, &answers, Level::HIGHEST);
     assert_eq!(checked.highest, Some(Level::Protocol));
     assert_eq!(checked.not_judged, [Level::Data, Level::Traffic, Level::State]);

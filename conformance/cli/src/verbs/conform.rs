@@ -353,7 +353,7 @@ impl RunArgs {
             let path = self
                 .keep
                 .join(name.replace(|c: char| !(c.is_ascii_alphanumeric() || "-._=,".contains(c)), "-"));
-            OutFile::check(&path)?.write(|out| Ok(out.write_all(&failure.suite)?))?;
+            OutFile::check(&path)?.write(|out| Ok(failure.suite.write_suite(out)?))?;
             failure.replay = Some(format!(
                 "saarcor conform run {}{} --suite {}",
                 quoted(&self.name()),
@@ -432,7 +432,9 @@ impl GenerateArgs {
     fn run(self) -> Result<Status> {
         let (_, session) = self.suite.session()?;
         let mut out = Stdout::new();
-        out.line(String::from_utf8_lossy(session.text()).trim_end())?;
+        for line in session.lines() {
+            out.line(String::from_utf8_lossy(line))?;
+        }
         out.finish()?;
         Ok(Status::Holds)
     }

@@ -46,6 +46,10 @@ impl Kd {
     }
 }
 
+fn is_ray(request: &[u8]) -> bool {
+    request.starts_with(b"c ") || request.starts_with(b"a ")
+}
+
 impl Kind for Kd {
     fn hello(&self) -> &'static str {
         "saarcor-kd 1"
@@ -78,7 +82,6 @@ impl Kind for Kd {
     fn recorded(&self, requests: usize) -> Vec<Session> {
         let parsed = |(name, text): &(&str, &str)| Session::parse(name, text).expect("a suite of the kit");
         let cut = |session: Session| {
-            let is_ray = |request: &[u8]| request.starts_with(b"c ") || request.starts_with(b"a ");
             let others = session.requests().take_while(|request| !is_ray(request)).count();
             let mut cut = session.with_those(|place| place < others.saturating_add(requests));
             let rays = cut.requests().count() - others;
@@ -122,21 +125,21 @@ impl Kind for Kd {
     fn simpler_sessions<'a>(&self, session: &'a Session) -> Candidates<'a, Session> {
         let none = || Box::new(std::iter::empty());
         let Ok(mut model) = KdOracle::new(Oracle::Model, session.config()) else { return none() };
-        let mut rays = Vec::new();
-        for line in session.requests() {
+        let mut forgotten = 0;
+        for (line, place) in session.requests().zip(1..) {
             let Ok(request) = Request::parse(line) else { return none() };
-            match request {
-                Request::Trace(query, ray) => rays.push((query, ray)),
-                Request::Flush => rays.clear(),
-                _ => {}
+            if request == Request::Flush {
+                forgotten = place;
             }
             model.change(&request);
         }
         let Ok((scene, _)) = model.scene() else { return none() };
         let of = move |scene: GeneratedScene| {
-            let mut text = scene.requests();
-            rays.iter().for_each(|(query, ray)| push_ray(&mut text, *query, ray));
-            session.with_requests(text.trim_ascii_end().split(|&byte| byte == b'\n'))
+            let mut place = 0..;
+            session.edited(&scene.requests(), |line| {
+                let is_later = place.next().is_some_and(|place| place >= forgotten);
+                (is_later && is_ray(line)).then_some(line)
+            })
         };
         Box::new(GeneratedScene::of(scene).simpler().map(of))
     }

@@ -4,7 +4,8 @@ use super::Kd;
 use super::generated_scene::GeneratedScene;
 use super::request::{END_OF_ADDRESSES, push_bounds, push_ray};
 use crate::hex::push_write;
-use crate::sizes::{About, Extent, SizedSession};
+use crate::session::Requests;
+use crate::sizes::{About, Extent, SizedSession, repeated};
 use glam::Vec3;
 use saarcor_model::host::{Aabb, Axis, KdTree, MAX_DEPTH, NODE_BYTES, Node, NodeRecord};
 use saarcor_model::rays::{Query, Ray};
@@ -365,16 +366,20 @@ fn ties() -> Vec<u8> {
 }
 
 /// So many short rays at one triangle.
-fn long(rays: usize) -> Vec<u8> {
+fn long(rays: usize) -> Requests {
     let mut text = Vec::new();
     push_bounds(&mut text, &Aabb { min: Vec3::ZERO, max: Vec3::new(4.0, 4.0, 0.0) });
     leaf_of(&mut text, 0x100, &[0x200]);
     push_triangle(&mut text, 0x200, &FLAT);
     let hits = Ray { t_max: 4.0, ..ray(Vec3::new(1.0, 1.0, 2.0), Vec3::NEG_Z) };
     let misses = Ray { t_max: 1.0, ..hits };
-    for number in 0..rays {
-        let query = if number % 3 == 0 { Query::Any } else { Query::Closest };
-        push_ray(&mut text, query, if number % 7 == 0 { &misses } else { &hits });
-    }
-    text
+    let of_rays = |rays: usize| {
+        let mut text = Vec::new();
+        for number in 0..rays {
+            let query = if number % 3 == 0 { Query::Any } else { Query::Closest };
+            push_ray(&mut text, query, if number % 7 == 0 { &misses } else { &hits });
+        }
+        text
+    };
+    Requests { first: text, ..repeated(rays, of_rays) }
 }

@@ -3,7 +3,7 @@
 use super::Meta;
 use super::config::{self, GRANULES, MAX_META_SETS, META_WAYS, MetaConfig};
 use crate::hex::push_request;
-use crate::sizes::{About, Extent, SizedSession};
+use crate::sizes::{About, Extent, SizedSession, repeated};
 use crate::vm::config::{HASHES, POLICIES, WAYS};
 use crate::vm::sizes::{line_in, uppers};
 use saarcor_model::vm::{Bytes, CacheConfig, ENTRY_BYTES, Geometry};
@@ -44,8 +44,10 @@ pub fn sessions(extent: &Extent) -> Vec<SizedSession> {
     }
     let requests = extent.long();
     let about = ("", None, "More requests than counters count.");
-    let long =
-        move |config: &str| long(&config::parse(config).expect("a configuration of the kit"), requests);
+    let long = move |config: &str| {
+        let config = config::parse(config).expect("a configuration of the kit");
+        repeated(requests, |count| long(&config, count))
+    };
     all.push(SizedSession::new(Meta, "sizes/long", about, SMALL, long).large());
     all
 }

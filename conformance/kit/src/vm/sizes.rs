@@ -4,7 +4,7 @@ use super::Vm;
 use super::config;
 use crate::hex::{push_request, push_write};
 use crate::level::Level;
-use crate::sizes::{Extent, SizedSession};
+use crate::sizes::{Extent, SizedSession, repeated};
 use saarcor_model::vm::{CacheConfig, LineAddr};
 use saarcor_random::Random;
 
@@ -59,7 +59,7 @@ pub fn sessions(extent: &Extent) -> Vec<SizedSession> {
     }
     let requests = extent.long();
     let counted = |what, about, by: fn(&mut Vec<u8>, u64, u8)| {
-        let made = move |config: &str| counted(config, requests / 3, by);
+        let made = move |config: &str| repeated(requests / 3, |count| counted(config, count, by));
         SizedSession::new(Vm, &format!("sizes/many-{what}"), about, SMALL, made).large()
     };
     all.push(counted("flushes", ("VM-8", None, "However many flushes there were."), |text, _, _| {
@@ -74,7 +74,8 @@ pub fn sessions(extent: &Extent) -> Vec<SizedSession> {
     }));
     for (name, config) in [("sizes/long", STANDARD), ("sizes/long@lines=64", SMALL)] {
         let about = ("", None, "More requests than counters count.");
-        all.push(SizedSession::new(Vm, name, about, config, move |config| long(config, 7, requests)).large());
+        let made = move |config: &str| repeated(requests, |count| long(config, 7, count));
+        all.push(SizedSession::new(Vm, name, about, config, made).large());
     }
     all
 }
