@@ -113,10 +113,9 @@ impl LineHistory {
 
     fn is_read(&mut self) {
         self.is_read = true;
-        if let Some(Writes { overwritten, reads }) = self.writes.as_deref_mut() {
-            if reads.last() != Some(&overwritten.len()) {
-                reads.push(overwritten.len());
-            }
+        let Some(Writes { overwritten, reads }) = self.writes.as_deref_mut() else { return };
+        if reads.last() != Some(&overwritten.len()) {
+            reads.push(overwritten.len());
         }
     }
 
