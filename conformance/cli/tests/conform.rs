@@ -49,6 +49,13 @@ const WALK: &[(&str, i32, &str)] = &[
     ("saarcor conform run my-cache --trace frame.din", 0, "conforms; agrees up to level state"),
     ("saarcor conform new meta my-tags", 0, ""),
     ("saarcor conform run my-tags --requests 24000", 0, "agrees up to level metadata"),
+    ("saarcor conform run my-cache --quick --seed 7", 0, "seeds of the random sessions: 7 to 30"),
+    (
+        "saarcor conform run my-cache --suite vm/random/17 --requests 41667",
+        0,
+        "conforms; agrees up to level state",
+    ),
+    ("saarcor conform generate vm/shape/340 --seed 7", 0, "config line="),
     ("saarcor conform run my-cache --quick", 0, "conforms; agrees up to level state"),
     ("saarcor conform run my-cache --suite vm/sizes/ranges", 0, "conforms; agrees up to level state"),
     ("saarcor conform new kd-c my-kd", 0, ""),
@@ -146,6 +153,18 @@ fn wrong_answers_are_named() {
     std::fs::write(&file, answers).expect("written");
     let check = |suite: &str| run_in(folder.path(), &["conform", "check", suite, "answers"]);
     says(&check("vm/free-ways-in-order"), 1, &["VM-7 at level state", "request 4", "way 2; 3 is right"]);
+    // As JSON, first what all of it comes to, with the versions; then a line a difference.
+    let json = run_in(folder.path(), &["conform", "check", "vm/free-ways-in-order", "answers", "--json"]);
+    let lines: Vec<serde_json::Value> = String::from_utf8_lossy(&json.stdout)
+        .lines()
+        .map(|line| serde_json::from_str(line).expect("JSON"))
+        .collect();
+    assert_eq!((&lines[0]["schema_version"], &lines[0]["protocol"]), (&2.into(), &"saarcor-vm 1".into()));
+    assert_eq!(
+        (&lines[0]["differences"], &lines[0]["highest"]),
+        (&(lines.len() - 1).into(), &"traffic".into())
+    );
+    assert_eq!(lines[1]["requirement"], "VM-7");
     std::fs::write(&file, answers.replace("end\n", "")).expect("written");
     says(&check("vm/free-ways-in-order"), 1, &["P-4", "the answers end"]);
     std::fs::write(&file, "saarcor-vm 1\nunsupported hash\n").expect("written");
@@ -340,6 +359,17 @@ fn failures_are_waived_and_run_again() {
     let waived = run(&["--waive", "known.toml", "--level", "protocol"]);
     let parts = ["conforms", "sessions that fail and are waived (", "waived: vm/flush", "a known one"];
     says(&waived, 0, &parts);
+    // An entry that is about no failure is named. Some fail above the protocol alone.
+    let warnings = |output: &Output| String::from_utf8_lossy(&output.stderr).matches("warning").count();
+    let before = warnings(&waived);
+    assert!(before < failed.lines().count());
+    let unused = "[[waive]]\nsession = 'vm/flsh'\nrequirement = 'VM-8'\nreason = 'mistyped'\n";
+    std::fs::write(&file, std::fs::read_to_string(&file).expect("read") + unused).expect("written");
+    let warned = run(&["--waive", "known.toml", "--level", "protocol"]);
+    let number = failed.lines().count() + 1;
+    let named = format!("entry {number} (session vm/flsh, requirement VM-8) matches no failure");
+    says(&warned, 0, &[&named]);
+    assert_eq!(warnings(&warned), before + 1);
     std::fs::write(&file, "[[waive]]\nsession = 'vm/flush'\n").expect("written");
     assert_eq!(run(&["--waive", "known.toml"]).status.code(), Some(2));
 }

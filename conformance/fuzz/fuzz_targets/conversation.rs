@@ -30,7 +30,7 @@ fuzz_target!(|input: &[u8]| {
         if kind.check(session).is_err() {
             continue;
         }
-        assert_eq!(check_answers(*kind, session, &of_model(session.text()), Level::HIGHEST).findings, []);
+        assert_eq!(check_answers(*kind, session, &of_model(&session.text()), Level::HIGHEST).findings, []);
         for finding in check_answers(*kind, session, answers.as_bytes(), Level::HIGHEST).findings {
             if let Some(request) = finding.request {
                 kind.state_before(session, request);

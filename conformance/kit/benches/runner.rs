@@ -27,7 +27,7 @@ impl Dut for Canned {
         _: &Deadline,
     ) -> Result<ConversationEnd, Error> {
         for answer in self.0.split(|&byte| byte == b'\n').filter(|answer| !answer.is_empty()) {
-            scoreboard.answer(answer, session.text().len());
+            scoreboard.answer(answer, session.len());
         }
         Ok(ConversationEnd::default())
     }
@@ -36,7 +36,7 @@ impl Dut for Canned {
 fn runner(c: &mut Criterion) {
     let mut canned = Vec::new();
     let make = |kind: &dyn saarcor_kit::kind::Kind, config: &str| kind.oracle(Oracle::Model, config);
-    serve(&make, Vm.random(SEED, REQUESTS).text(), &mut canned).expect("memory can be written");
+    serve(&make, &*Vm.random(SEED, REQUESTS).text(), &mut canned).expect("memory can be written");
     let duts: [(&str, Box<dyn Dut>); 3] = [
         ("null", Box::new(Canned(canned))),
         ("model", Box::new(InProcess::oracle(Oracle::Model))),

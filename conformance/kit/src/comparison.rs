@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::implementation::Implementation;
 use crate::level::Level;
+use crate::shown::shown;
 
 /// Compares the answers of one session, one by one.
 pub trait Comparison {
@@ -22,6 +23,37 @@ pub trait Comparison {
 
     /// The model's answer to the request that was compared last.
     fn expected(&self) -> &[u8];
+
+    /// What answers so far were right, though they were not the model's.
+    fn admitted(&self) -> &[Admitted] {
+        &[]
+    }
+}
+
+/// Answers that are right, though they are not the model's.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Admitted {
+    /// The requirement that leaves them open.
+    pub requirement: &'static str,
+    /// How many there were.
+    pub answers: u64,
+    /// What was asked first.
+    pub asked: String,
+    /// Why the first was right, in a sentence.
+    pub why: String,
+}
+
+/// Adds an answer that is right, though it is not the model's; `why` is asked of the first of a requirement.
+pub(crate) fn admit(
+    admitted: &mut Vec<Admitted>,
+    requirement: &'static str,
+    asked: &[u8],
+    why: impl FnOnce() -> String,
+) {
+    match admitted.iter_mut().find(|known| known.requirement == requirement) {
+        Some(known) => known.answers += 1,
+        None => admitted.push(Admitted { requirement, answers: 1, asked: shown(asked), why: why() }),
+    }
 }
 
 /// How an answer differs from the model's.

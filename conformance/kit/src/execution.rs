@@ -7,6 +7,7 @@
 //! A session that hangs is one failure of many, where others have been held to their ends: then the rest have a time
 //! limit together, and a part of it each.
 
+use crate::comparison::Admitted;
 use crate::deadline::Deadline;
 use crate::dut::{ConversationEnd, Dut, Timeout};
 use crate::error::Error;
@@ -71,6 +72,8 @@ pub(crate) struct SessionResult {
     pub unobserved: Vec<&'static str>,
     /// Requests that were answered.
     pub answered: usize,
+    /// Answers that were right, though they were not the model's.
+    pub admitted: Vec<Admitted>,
     /// It is a random session.
     pub random: bool,
     /// Seconds that it took.
@@ -332,6 +335,7 @@ impl Executor<'_> {
             observed,
             unobserved: scoreboard.unobserved().to_vec(),
             answered: scoreboard.answered(),
+            admitted: scoreboard.admitted().to_vec(),
             random,
             seconds: began.elapsed().as_secs_f64(),
             timeout: timeout.filter(|&timeout| timeout != Timeout::Stopped),

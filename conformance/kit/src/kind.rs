@@ -61,7 +61,7 @@ pub trait Kind: Sync {
         )
     }
 
-    /// So many seeds in a row, from a multiple of it on, have each configuration of the random sessions.
+    /// So many seeds in a row, from a multiple of it on, have each configuration of the random sessions that is not drawn.
     fn configurations(&self) -> usize {
         2 * crate::plan::QUICK_SESSIONS
     }

@@ -95,6 +95,7 @@ pub mod report;
 pub mod requirements;
 pub mod run;
 pub mod scoreboard;
+mod script;
 pub mod server;
 pub mod session;
 #[cfg(unix)]

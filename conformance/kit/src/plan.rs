@@ -42,6 +42,11 @@ pub struct Options {
 }
 
 impl Options {
+    /// How much is run.
+    pub(crate) fn extent(&self) -> Extent {
+        Extent { seed: self.seed, requests: self.requests }
+    }
+
     /// The highest level that is judged.
     pub(crate) fn highest(&self) -> Level {
         self.level.unwrap_or(Level::HIGHEST)
@@ -102,8 +107,7 @@ pub fn default_suite(kind: &dyn Kind, options: &Options) -> Result<Vec<PlannedSe
     let recorded = kind.recorded(options.requests.div_ceil(FRAME_PART));
     planned.extend(recorded.into_iter().map(|session| PlannedSession::Directed(Box::new(session))));
     if !options.quick {
-        let extent = Extent { seed: options.seed, requests: options.requests };
-        planned.extend(kind.sizes(&extent).into_iter().map(PlannedSession::Sized));
+        planned.extend(kind.sizes(&options.extent()).into_iter().map(PlannedSession::Sized));
     }
     let least = if options.quick { QUICK_SESSIONS } else { kind.configurations() };
     planned.extend(random_sessions(options.seed, options.requests, least));
@@ -120,15 +124,15 @@ pub fn random_sessions(seed: u64, requests: usize, least: usize) -> impl Iterato
 }
 
 /// Sessions that a name stands for: a suite of the kit or one of its sessions, a random session
-/// (`vm/random/17`), or the path of a suite file.
+/// (`vm/random/17`), one about sizes of a plan of that extent, or the path of a suite file.
 ///
 /// # Errors
 /// Where there is no such suite or file, or it is no session.
-pub fn sessions_named(name: &str, requests: usize) -> Result<(&'static dyn Kind, Vec<Session>), Error> {
+pub fn sessions_named(name: &str, extent: &Extent) -> Result<(&'static dyn Kind, Vec<Session>), Error> {
     for kind in KINDS {
         if let Some(rest) = name.strip_prefix(&format!("{}/", kind.prefix())) {
             if let Some(seed) = rest.strip_prefix("random/").and_then(|seed| seed.parse().ok()) {
-                return Ok((*kind, vec![kind.random(seed, requests)]));
+                return Ok((*kind, vec![kind.random(seed, extent.requests)]));
             }
             for (suite, text) in kind.suites() {
                 let sessions =
@@ -140,8 +144,7 @@ pub fn sessions_named(name: &str, requests: usize) -> Result<(&'static dyn Kind,
                     return Ok((*kind, vec![session]));
                 }
             }
-            let extent = Extent { seed: 0, requests: requests.max(RANDOM_REQUESTS) };
-            if let Some(sized) = kind.sizes(&extent).into_iter().find(|sized| sized.name == name) {
+            if let Some(sized) = kind.sizes(extent).into_iter().find(|sized| sized.name == name) {
                 return Ok((*kind, vec![sized.session()]));
             }
             if let Some(session) = kind.recorded(usize::MAX).into_iter().find(|session| session.name == name)
@@ -177,6 +180,19 @@ impl PlannedSession {
         }
     }
 
+    /// What 'saarcor conform run' is asked for to hold it again, as it was in a plan of that extent; none where that is
+    /// its name alone, or a file's.
+    pub(crate) fn again(&self, kind: &dyn Kind, extent: &Extent) -> Option<String> {
+        let Extent { seed, requests } = extent;
+        match self {
+            Self::Directed(_) => None,
+            Self::Sized(sized) => Some(format!("--suite {} --seed {seed} --requests {requests}", sized.name)),
+            Self::Random { seed, requests } => {
+                Some(format!("--suite {} --requests {requests}", kind.random_name(*seed)))
+            }
+        }
+    }
+
     /// The row of the report that counts it: its requirement, `random`, `sizes`, or `frames, files`.
     #[must_use]
     pub fn row(&self) -> &str {
@@ -196,5 +212,38 @@ impl PlannedSession {
             Self::Random { seed, requests } => kind.random(*seed, *requests),
         };
         if options.tolerance == 0 { session } else { kind.with_tolerance(session, options.tolerance) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a report names of a session that fails holds the same session again.
+    #[test]
+    fn sessions_are_held_again_by_what_is_named() {
+        let options = Options { seed: 3, requests: 4000, ..Options::default() };
+        for kind in KINDS {
+            let mut seen = 0;
+            for planned in default_suite(*kind, &options).expect("suites") {
+                let Some(again) = planned.again(*kind, &options.extent()) else { continue };
+                let words: Vec<_> = again.split(' ').collect();
+                let value =
+                    |key: &str| words.iter().position(|word| *word == key).map(|place| words[place + 1]);
+                let number = |key: &str| value(key).map(|number| number.parse().expect("a number"));
+                let extent = Extent {
+                    seed: number("--seed").unwrap_or_default() as u64,
+                    requests: number("--requests").expect("requests"),
+                };
+                // One in so many: each is looked for by its name among all.
+                seen += 1;
+                if seen % 7 == 0 {
+                    let name = value("--suite").expect("a name");
+                    let (_, found) = sessions_named(name, &extent).expect(name);
+                    assert!(found == [planned.session(*kind, &options)], "{again}");
+                }
+            }
+            assert!(seen > 40, "{}", kind.name());
+        }
     }
 }

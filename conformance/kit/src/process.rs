@@ -88,7 +88,7 @@ impl Process {
         let is_hurried = self.is_hurried.load(Ordering::Relaxed);
         let limit = self.time_limit * session.patience;
         let limit = if is_hurried { self.time_limit / HURRIED } else { limit };
-        let timeout = match running.hold(session.text(), scoreboard, limit, deadline)? {
+        let timeout = match running.hold(session, scoreboard, limit, deadline)? {
             // With all of its time it might have been quick enough.
             Some(Timeout::Slow) if is_hurried => Some(Timeout::Stopped),
             timeout => timeout,
@@ -210,7 +210,7 @@ impl RunningProcess {
     /// Holds the conversation until the scoreboard has all answers, or nothing more can come.
     fn hold(
         &mut self,
-        text: &[u8],
+        session: &Session,
         scoreboard: &mut Scoreboard<'_>,
         limit: Duration,
         deadline: &Deadline,
@@ -231,7 +231,7 @@ impl RunningProcess {
                 _ if self.stays && !scoreboard.offers_sessions() => {
                     // It has offered them before: now the end of its input is due.
                     self.stays = false;
-                    self.stdin.take_if(|_| sent == text.len());
+                    self.stdin.take_if(|_| sent == session.len());
                 }
                 _ => {}
             }
@@ -243,7 +243,7 @@ impl RunningProcess {
             if deadline.has_come() {
                 return Ok(Some(Timeout::Stopped));
             }
-            self.wait(left.min(deadline.left()).min(STOP_POLL), sent < text.len());
+            self.wait(left.min(deadline.left()).min(STOP_POLL), sent < session.len());
             // What the model takes for its own answers counts too.
             let is_over = || Instant::now() >= ends || deadline.has_come();
             match self.read_answers(scoreboard, sent, &is_over) {
@@ -252,7 +252,7 @@ impl RunningProcess {
                 ReadOutcome::EndOfFile => return self.ended(scoreboard, ends, deadline),
             }
             self.read_stderr();
-            sent += self.write(&text[sent..]);
+            sent += self.write(session, sent);
         }
         Ok(None)
     }
@@ -333,9 +333,10 @@ impl RunningProcess {
         }
     }
 
-    /// Sends what fits into the pipe, and closes it after the last byte where the process does not stay; says how
+    /// Sends from a place on what fits into the pipe, and closes it after the last byte where the process does not stay; says how
     /// much was sent.
-    fn write(&mut self, rest: &[u8]) -> usize {
+    fn write(&mut self, session: &Session, at: usize) -> usize {
+        let rest = session.part_at(at);
         let Some(stdin) = self.stdin.as_mut().filter(|_| !rest.is_empty()) else { return 0 };
         let sent = match stdin.write(&rest[..rest.len().min(BUFFER)]) {
             Ok(sent) => sent,
@@ -346,7 +347,7 @@ impl RunningProcess {
                 return 0;
             }
         };
-        if sent == rest.len() && !self.stays {
+        if at + sent == session.len() && !self.stays {
             self.stdin = None;
         }
         sent

@@ -2,6 +2,7 @@
 
 use crate::coverage::CoverageCount;
 use crate::level::Level;
+use crate::session::Session;
 use crate::shown::{differences, marks, visible};
 use serde::Serialize;
 use std::ops::Range;
@@ -42,6 +43,8 @@ pub struct ConformanceReport {
     pub unsupported: Vec<UnsupportedKey>,
     /// What the sessions exercise of the model.
     pub coverage: Vec<CoverageCount>,
+    /// Answers that are right, though they are not the model's, by the requirement that leaves them open.
+    pub admitted: Vec<AdmittedAnswers>,
     /// Each session that was planned, in the order of the plan.
     pub outcomes: Vec<SessionOutcome>,
     /// Sessions that were run.
@@ -58,6 +61,21 @@ pub struct ConformanceReport {
     pub random_seconds: f64,
     /// Why sessions were left out, if some were.
     pub stopped: Option<String>,
+}
+
+/// Answers that are right, though they are not the model's.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct AdmittedAnswers {
+    /// The requirement that leaves them open.
+    pub requirement: String,
+    /// How many there were.
+    pub answers: u64,
+    /// The first session that has one.
+    pub session: String,
+    /// What was asked there.
+    pub asked: String,
+    /// Why the answer is right, in a sentence.
+    pub why: String,
 }
 
 /// What became of a session.
@@ -290,13 +308,17 @@ pub struct Failure {
     pub session: String,
     /// The row of [`ConformanceReport::requirements`] that counts the session.
     pub row: String,
+    /// Its configuration, before it was shrunk.
+    pub config: String,
+    /// What 'saarcor conform run' is asked for to hold it again as it was; none where that is its name, or a file's.
+    pub again: Option<String>,
     /// Its idea.
     pub idea: String,
     /// What differs, in a sentence.
     pub says: String,
-    /// The shortest session that still fails, as a suite file.
+    /// The shortest session that still fails.
     #[serde(skip)]
-    pub suite: Vec<u8>,
+    pub suite: Session,
     /// Its lines, but for the middle of one that is long.
     pub minimal: Vec<String>,
     /// Its requests.
@@ -332,14 +354,14 @@ pub struct UnsupportedKey {
 const SHOWN_LINES: usize = 40;
 
 /// The lines of a session, but for the middle of one that is long.
-pub(crate) fn shown_lines(text: &[u8]) -> Vec<String> {
-    let text = String::from_utf8_lossy(text);
-    let lines: Vec<&str> = text.lines().collect();
-    let more = lines.len().saturating_sub(2 * SHOWN_LINES);
-    let (begin, end) = (lines.len().min(SHOWN_LINES), lines.len().min(SHOWN_LINES) + more);
+pub(crate) fn shown_lines(session: &Session) -> Vec<String> {
+    let text = |line: &[u8]| String::from_utf8_lossy(line).into_owned();
+    let count = session.lines().count();
+    let more = count.saturating_sub(2 * SHOWN_LINES);
+    let begin = session.lines().take(if more > 0 { SHOWN_LINES } else { count });
+    let end = session.lines().skip(if more > 0 { count - SHOWN_LINES } else { count });
     let left_out = (more > 0).then(|| format!("# and here {more} lines more"));
-    let owned = |line: &&str| (*line).to_owned();
-    lines[..begin].iter().map(owned).chain(left_out).chain(lines[end..].iter().map(owned)).collect()
+    begin.map(text).chain(left_out).chain(end.map(text)).collect()
 }
 
 impl Failure {
@@ -368,6 +390,8 @@ impl Failure {
         }
         text += &format!("  requests  {} of {}, {}\n", self.minimal_requests, self.session, self.shrunk());
         self.minimal.iter().for_each(|line| text += &format!("    {line}\n"));
+        let again = self.again.as_ref().map_or_else(String::new, |again| format!(" ({again})"));
+        text += &format!("  found in  {}{again}\n", self.config);
         text +=
             &format!("  asked     {}\n  expected  {}\n  got       {}\n", self.asked, self.expected, self.got);
         if let Some(marks) = marks(&self.got, &self.differences()) {

@@ -93,6 +93,7 @@ fn failure(
     let _alone = run.alone(result.place);
     let session = run.session(result.place);
     let found_requests = session.requests().count();
+    let config = session.config().to_owned();
     let mut trouble = None;
     let mut fails = |session: &Session| {
         let mut scoreboard = Scoreboard::new(kind, session, options.highest());
@@ -109,7 +110,7 @@ fn failure(
         if !options.shrink || result.timeout.is_some() || finding.requirement == FRESH || deadline.has_come()
         {
             // Each try would take the time limit again, or would pass: only the requests behind the failing one are left out.
-            let session = session.with_requests(session.requests().take(finding.asked_by_then()));
+            let session = session.with_those(|place| place < finding.asked_by_then());
             ShrinkResult { session, finding: finding.clone(), cut_short: true }
         } else {
             shrink(kind, session, finding, deadline, &mut fails)
@@ -124,10 +125,11 @@ fn failure(
         level: finding.level,
         session: minimal.name.clone(),
         row: result.row.clone(),
+        config,
+        again: run.planned[result.place].again(kind, &options.extent()),
         idea: minimal.idea.clone(),
         says: finding.says.clone(),
-        suite: minimal.to_suite(),
-        minimal: shown_lines(minimal.text()),
+        minimal: shown_lines(&minimal),
         minimal_requests: minimal.requests().count(),
         found_requests,
         cut_short,
@@ -136,6 +138,7 @@ fn failure(
         expected: finding.expected.clone(),
         got: finding.got.clone(),
         stderr: result.stderr.clone(),
+        suite: minimal,
         replay: None,
     })
 }

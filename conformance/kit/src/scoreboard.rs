@@ -4,7 +4,7 @@
 //! Answers may also be there already: [`check_answers`] is the last of the three filters
 //! `generate | implementation | check`.
 
-use crate::comparison::Comparison;
+use crate::comparison::{Admitted, Comparison};
 use crate::error::Error;
 use crate::kind::Kind;
 use crate::level::Level;
@@ -155,6 +155,12 @@ impl<'a> Scoreboard<'a> {
         &self.unobserved
     }
 
+    /// What answers so far were right, though they were not the model's.
+    #[must_use]
+    pub fn admitted(&self) -> &[Admitted] {
+        self.comparison.as_ref().map_or(&[], |comparison| comparison.admitted())
+    }
+
     /// Judges the next answer, a line without its newline, given how much of the session's text had
     /// been sent when it came.
     #[inline]
@@ -167,7 +173,7 @@ impl<'a> Scoreboard<'a> {
             return self.broken("P-4", "no answer yet", line, "an answer before its request was sent");
         }
         match self.stage {
-            Stage::Requests if next < self.session.text().len() => self.request(request, line),
+            Stage::Requests if next < self.session.len() => self.request(request, line),
             Stage::Requests if line == b"end" => self.stage = Stage::Ended,
             Stage::Requests => self.broken("P-6", "end", line, "'end' is answered by 'end'"),
             Stage::Hello => self.hello(line),
@@ -186,7 +192,7 @@ impl<'a> Scoreboard<'a> {
 
     /// Says what is wrong behind the last answer, or with the conversation as a whole.
     pub fn misbehaves(&mut self, requirement: &'static str, says: &str) {
-        self.at = self.session.text().len();
+        self.at = self.session.len();
         self.broken(requirement, "", b"", says);
     }
 
@@ -313,7 +319,7 @@ pub struct CheckedAnswers {
 #[must_use]
 pub fn check_answers(kind: &dyn Kind, session: &Session, answers: &[u8], level: Level) -> CheckedAnswers {
     let mut scoreboard = Scoreboard::new(kind, session, level);
-    let sent = session.text().len();
+    let sent = session.len();
     let whole = answers.strip_suffix(b"\n").unwrap_or(answers);
     for answer in whole.split(|&byte| byte == b'\n').filter(|_| !answers.is_empty()) {
         if matches!(scoreboard.stage(), Stage::Broken | Stage::Unsupported) {

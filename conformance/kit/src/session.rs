@@ -2,7 +2,9 @@
 
 use crate::error::Error;
 use crate::level::Level;
+use crate::script::Script;
 use memchr::memchr;
+use std::io::{self, Write};
 use std::ops::Range;
 
 /// Begins a line of a suite file that is about the session and not part of it.
@@ -23,40 +25,62 @@ pub struct Session {
     pub idea: String,
     /// So many time limits it may take: one for each MiB of its text, where nothing else is said.
     pub patience: u32,
-    text: Vec<u8>,
+    /// The hello and the configuration, each a line.
+    head: String,
     hello: Range<usize>,
     config: Range<usize>,
-    body: Range<usize>,
+    body: Script,
+}
+
+/// Requests of a session, each a line with its newline: some first, then others so many times.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Requests {
+    /// Those that come first.
+    pub first: Vec<u8>,
+    /// Those that are repeated.
+    pub again: Vec<u8>,
+    /// How often they come.
+    pub times: usize,
+}
+
+impl From<Vec<u8>> for Requests {
+    fn from(first: Vec<u8>) -> Self {
+        Self { first, ..Self::default() }
+    }
 }
 
 impl Session {
     /// The session of these parts; requests are lines, each with its newline.
     #[must_use]
     pub fn new(name: &str, hello: &str, config: &str, requests: &[u8]) -> Self {
-        Self::made(name, hello, config, requests.len(), |text| text.extend_from_slice(requests))
+        let mut body = Script::with_capacity(requests.len());
+        body.push(requests, 1);
+        Self::made(name, hello, config, body)
     }
 
-    /// The session of these parts, whose requests, of about so many bytes, `push` appends: a long one is in
-    /// memory once.
-    fn made(name: &str, hello: &str, config: &str, bytes: usize, push: impl FnOnce(&mut Vec<u8>)) -> Self {
-        let mut text = format!("{hello}\nconfig {config}\n").into_bytes();
-        let hello = 0..hello.len();
-        let config = text.len() - config.len() - 1..text.len() - 1;
-        let begin = text.len();
-        text.reserve_exact(bytes + END.len());
-        push(&mut text);
-        let body = begin..text.len();
-        text.extend_from_slice(END);
-        text.shrink_to_fit();
+    /// The session of these parts, some of which are repeated, and in memory once.
+    #[must_use]
+    pub fn repeating(name: &str, hello: &str, config: &str, requests: &Requests) -> Self {
+        let Requests { first, again, times } = requests;
+        let mut body = Script::with_capacity(first.len() + again.len());
+        body.push(first, 1);
+        body.push(again, *times);
+        Self::made(name, hello, config, body)
+    }
+
+    fn made(name: &str, hello: &str, config: &str, mut body: Script) -> Self {
+        body.shrink_to_fit();
+        let head = format!("{hello}\nconfig {config}\n");
+        let config = head.len() - config.len() - 1..head.len() - 1;
         Self {
             name: name.to_owned(),
             requirement: None,
             level: None,
             idea: String::new(),
-            patience: (text.len() >> 20).max(1) as u32,
-            text,
-            hello,
+            patience: (body.len() >> 20).max(1) as u32,
+            hello: 0..hello.len(),
             config,
+            head,
             body,
         }
     }
@@ -126,53 +150,105 @@ impl Session {
         Ok(sessions)
     }
 
-    /// All that is sent.
+    /// Bytes of all that is sent.
+    #[inline]
     #[must_use]
-    pub fn text(&self) -> &[u8] {
-        &self.text
+    pub fn len(&self) -> usize {
+        self.head.len() + self.body.len() + END.len()
+    }
+
+    /// Always `false`: there are a hello and an end.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// What is sent from a place on, at least to the end of a line; nothing behind the last.
+    #[inline]
+    #[must_use]
+    pub fn part_at(&self, place: usize) -> &[u8] {
+        let (body, end) = (self.head.len(), self.head.len() + self.body.len());
+        match place {
+            place if place < body => &self.head.as_bytes()[place..],
+            place if place < end => self.body.at(place - body),
+            place => END.get(place - end..).unwrap_or_default(),
+        }
+    }
+
+    /// All that is sent, at once: of a session in which much is repeated, far more than it has in memory.
+    #[must_use]
+    pub fn text(&self) -> Vec<u8> {
+        let mut text = Vec::with_capacity(self.len());
+        while text.len() < self.len() {
+            text.extend_from_slice(self.part_at(text.len()));
+        }
+        text
+    }
+
+    /// The lines that are sent, without their newlines.
+    pub fn lines(&self) -> impl Iterator<Item = &[u8]> {
+        let head = self.head.lines().map(str::as_bytes);
+        head.chain(self.body.lines()).chain(std::iter::once(END.trim_ascii_end()))
     }
 
     /// The session as a suite file, which [`Session::parse`] reads back.
     #[must_use]
     pub fn to_suite(&self) -> Vec<u8> {
+        let mut suite = Vec::new();
+        self.write_suite(&mut suite).expect("memory can be written");
+        suite
+    }
+
+    /// Writes the session as a suite file, part by part.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn write_suite(&self, out: &mut dyn Write) -> io::Result<()> {
         let requirement = self.requirement.as_deref().unwrap_or_default();
         let level = self.level.map_or("", Level::name);
         let about = [requirement, level, &self.idea].into_iter().filter(|word| !word.is_empty());
-        let mut suite = match about.collect::<Vec<_>>().join(" ").as_str() {
-            "" => String::new(),
-            about => format!("{ABOUT} {about}\n"),
+        match about.collect::<Vec<_>>().join(" ").as_str() {
+            "" => {}
+            about => writeln!(out, "{ABOUT} {about}")?,
         }
-        .into_bytes();
-        suite.extend_from_slice(&self.text);
-        suite
+        self.write_text(out)
+    }
+
+    /// Writes all that is sent, part by part.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn write_text(&self, out: &mut dyn Write) -> io::Result<()> {
+        let mut place = 0;
+        while place < self.len() {
+            let part = self.part_at(place);
+            out.write_all(part)?;
+            place += part.len();
+        }
+        Ok(())
     }
 
     /// The hello, which names the kind and the version.
     #[must_use]
     pub fn hello(&self) -> &str {
-        self.part(&self.hello)
+        &self.head[self.hello.clone()]
     }
 
     /// The configuration, without the word `config`.
     #[must_use]
     pub fn config(&self) -> &str {
-        self.part(&self.config)
-    }
-
-    fn part(&self, range: &Range<usize>) -> &str {
-        // What comes in is text, and ranges end at newlines and spaces.
-        std::str::from_utf8(&self.text[range.clone()]).unwrap_or_default()
+        &self.head[self.config.clone()]
     }
 
     /// Where in the text the lines begin that follow the configuration.
     #[must_use]
     pub fn body_start(&self) -> usize {
-        self.body.start
+        self.head.len()
     }
 
     /// The requests between the configuration and the end, without comments.
     pub fn requests(&self) -> impl Iterator<Item = &[u8]> {
-        Lines { text: &self.text[self.body.clone()] }.filter(|line| is_asked(line))
+        self.body.lines().filter(|line| is_asked(line))
     }
 
     /// Checks each request by itself.
@@ -193,11 +269,16 @@ impl Session {
     #[inline]
     #[must_use]
     pub fn request_at(&self, at: usize) -> Option<(&[u8], usize)> {
-        let mut lines = Lines { text: self.text.get(at..)? };
+        let mut at = at;
         loop {
-            let line = lines.next()?;
-            if is_asked(line) {
-                return Some((line, self.text.len() - lines.text.len()));
+            let part = self.part_at(at);
+            if part.is_empty() {
+                return None;
+            }
+            let end = memchr(b'\n', part).unwrap_or(part.len());
+            at += (end + 1).min(part.len());
+            if is_asked(&part[..end]) {
+                return Some((&part[..end], at));
             }
         }
     }
@@ -205,41 +286,58 @@ impl Session {
     /// The same session with other requests.
     #[must_use]
     pub fn with_requests<'a>(&self, requests: impl IntoIterator<Item = &'a [u8]>) -> Self {
-        self.with(self.config(), |text| {
+        let mut body = Script::with_capacity(self.body.len().min(MOST_AT_ONCE));
+        body.push_with(1, |text| {
             for request in requests {
                 text.extend_from_slice(request);
                 text.push(b'\n');
             }
-        })
+        });
+        self.with(self.config(), body)
     }
 
     /// The same session with another request at a place, from 0 on.
     #[must_use]
     pub fn with_request(&self, place: usize, request: &[u8]) -> Self {
-        let others = self.requests().enumerate();
-        self.with_requests(others.map(|(other, line)| if other == place { request } else { line }))
+        let mut number = 0..;
+        self.edited(b"", |line| Some(if number.next() == Some(place) { request } else { line }))
     }
 
     /// The same session with those of its requests whose places are in `kept`.
     #[must_use]
     pub fn with_those(&self, kept: impl Fn(usize) -> bool) -> Self {
-        self.with_requests(
-            self.requests().enumerate().filter(|(place, _)| kept(*place)).map(|(_, line)| line),
-        )
+        let mut number = 0..;
+        self.edited(b"", |line| number.next().is_some_and(&kept).then_some(line))
+    }
+
+    /// The same session with other lines first, and then what `edit` makes of each of its requests. What is repeated
+    /// stays so, as far as the same is made of it.
+    pub(crate) fn edited<'a>(
+        &'a self,
+        first: &[u8],
+        mut edit: impl FnMut(&'a [u8]) -> Option<&'a [u8]>,
+    ) -> Self {
+        let mut body = Script::with_capacity(first.len());
+        body.push(first, 1);
+        body.push_edited(&self.body, |line| if is_asked(line) { edit(line) } else { None });
+        self.with(self.config(), body)
     }
 
     /// The same session with another configuration.
     #[must_use]
     pub fn with_config(&self, config: &str) -> Self {
-        self.with(config, |text| text.extend_from_slice(&self.text[self.body.clone()]))
+        self.with(config, self.body.clone())
     }
 
-    fn with(&self, config: &str, push: impl FnOnce(&mut Vec<u8>)) -> Self {
+    fn with(&self, config: &str, body: Script) -> Self {
         let (requirement, level, idea) = (self.requirement.clone(), self.level, self.idea.clone());
-        let made = Self::made(&self.name, self.hello(), config, self.body.len(), push);
+        let made = Self::made(&self.name, self.hello(), config, body);
         Self { requirement, level, idea, patience: self.patience.max(made.patience), ..made }
     }
 }
+
+/// Room that is taken at once for requests whose number is not known.
+const MOST_AT_ONCE: usize = 1 << 20;
 
 /// Whether a line has an answer: comments and empty lines have none.
 fn is_asked(line: &[u8]) -> bool {
@@ -253,26 +351,6 @@ fn changed(config: &str, changes: &str) -> String {
         .split_ascii_whitespace()
         .map(|word| changes.split_ascii_whitespace().find(|change| key(change) == key(word)).unwrap_or(word));
     words.collect::<Vec<_>>().join(" ")
-}
-
-/// The lines of text, without their newlines.
-struct Lines<'a> {
-    text: &'a [u8],
-}
-
-impl<'a> Iterator for Lines<'a> {
-    type Item = &'a [u8];
-
-    #[inline]
-    fn next(&mut self) -> Option<&'a [u8]> {
-        if self.text.is_empty() {
-            return None;
-        }
-        let end = memchr(b'\n', self.text).unwrap_or(self.text.len());
-        let line = &self.text[..end];
-        self.text = self.text.get(end + 1..).unwrap_or_default();
-        Some(line)
-    }
 }
 
 #[cfg(test)]
@@ -323,6 +401,7 @@ mod tests {
         let session = Session::new("x", "saarcor-vm 1", "a=1", b"flush\n");
         let other = session.with_config("b=2").with_requests([&b"r 0 1"[..], b"r 1 1"]);
         assert_eq!(other.text(), b"saarcor-vm 1\nconfig b=2\nr 0 1\nr 1 1\nend\n");
+        assert_eq!(other.lines().last(), Some(&b"end"[..]));
         assert_eq!(other.request_at(other.body_start()), Some((&b"r 0 1"[..], other.body_start() + 6)));
     }
 }

@@ -149,6 +149,9 @@ impl Shrinker<'_, '_> {
     }
 
     fn take_simpler_session(&mut self) -> bool {
+        if self.is_over() {
+            return false;
+        }
         let (session, kind) = (Rc::clone(&self.session), self.kind);
         for simpler in kind.simpler_sessions(&session) {
             if self.is_over() {

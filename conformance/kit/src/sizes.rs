@@ -4,7 +4,7 @@
 
 use crate::kind::Kind;
 use crate::level::Level;
-use crate::session::Session;
+use crate::session::{Requests, Session};
 use std::fmt;
 use std::sync::Arc;
 
@@ -24,6 +24,16 @@ impl Extent {
     pub fn long(&self) -> usize {
         self.requests / 40 * 23
     }
+}
+
+/// Most requests that are drawn for a session in which counters are to overflow: then they are repeated. No power of two,
+/// so that counters are at another place each time.
+const PERIOD: usize = 300_007;
+
+/// About so many requests, repeated where they are many, of which `requests` makes as many as it is given.
+pub(crate) fn repeated(count: usize, requests: impl FnOnce(usize) -> Vec<u8>) -> Requests {
+    let times = count.div_ceil(PERIOD).max(1);
+    Requests { first: Vec::new(), again: requests(count.div_ceil(times)), times }
 }
 
 /// A session that is made when it is held.
@@ -52,16 +62,16 @@ pub type About = (&'static str, Option<Level>, &'static str);
 impl SizedSession {
     /// A session of a kind, `about` a requirement where there is one, whose requests `requests` makes for `config`.
     #[must_use]
-    pub fn new<K: Kind + Copy + Send + 'static>(
+    pub fn new<K: Kind + Copy + Send + 'static, R: Into<Requests>>(
         kind: K,
         name: &str,
         (requirement, level, idea): About,
         config: &str,
-        requests: impl Fn(&str) -> Vec<u8> + Send + Sync + 'static,
+        requests: impl Fn(&str) -> R + Send + Sync + 'static,
     ) -> Self {
         let (name, config) = (format!("{}/{name}", kind.prefix()), config.to_owned());
         let make = move |name: &str| {
-            let mut session = Session::new(name, kind.hello(), &config, &requests(&config));
+            let mut session = Session::repeating(name, kind.hello(), &config, &requests(&config).into());
             session.requirement = (!requirement.is_empty()).then(|| requirement.to_owned());
             (session.level, session.idea) = (level, idea.to_owned());
             session

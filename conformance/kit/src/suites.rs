@@ -10,6 +10,9 @@ macro_rules! suites {
     };
 }
 
+/// Rays of recorded frames, as sessions of `saarcor-kd`.
+pub const KD_FRAMES: &[(&str, &str)] = suites!["kd/frame/pquake3-nt-150"];
+
 /// Suites of `saarcor-vm`.
 pub const VM: &[(&str, &str)] = suites![
     "vm/hello-and-end",
@@ -301,13 +304,15 @@ pub const CHIP: &[(&str, &str)] = suites![
 
 #[cfg(test)]
 mod tests {
+    use super::KD_FRAMES;
     use crate::kinds::KINDS;
     use crate::session::Session;
     use std::collections::BTreeSet;
+    use std::path::Path;
 
     #[test]
     fn every_suite_is_listed_and_legal() {
-        let mut listed = BTreeSet::new();
+        let mut listed: BTreeSet<_> = KD_FRAMES.iter().map(|(name, _)| format!("{name}.txt")).collect();
         for kind in KINDS {
             for (name, text) in kind.suites() {
                 for session in Session::parse(name, text).expect("a suite") {
@@ -317,12 +322,14 @@ mod tests {
                 listed.insert(format!("{name}.txt"));
             }
         }
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../suites");
-        for kind in std::fs::read_dir(folder).expect("the suites") {
-            let kind = kind.expect("a folder");
-            for file in std::fs::read_dir(kind.path()).expect("a folder") {
-                let name =
-                    format!("{}/{}", kind.file_name().display(), file.expect("a file").file_name().display());
+        let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../suites"));
+        let mut open = vec![folder.to_owned()];
+        while let Some(path) = open.pop() {
+            if path.is_dir() {
+                let entries = std::fs::read_dir(path).expect("a folder");
+                open.extend(entries.map(|entry| entry.expect("an entry").path()));
+            } else {
+                let name = path.strip_prefix(folder).expect("a file in it").display().to_string();
                 assert!(listed.remove(&name), "{name} is not listed");
             }
         }

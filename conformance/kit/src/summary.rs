@@ -7,8 +7,8 @@ use crate::execution::{Run, SessionResult};
 use crate::level::Level;
 use crate::plan::PlannedSession;
 use crate::report::{
-    ConformanceReport, ConformanceVerdict, Failure, LevelResult, LevelVerdict, NotJudged, NotJudgedReason,
-    Outcome, RequirementResult, SCHEMA_VERSION, SessionOutcome, UnsupportedKey,
+    AdmittedAnswers, ConformanceReport, ConformanceVerdict, Failure, LevelResult, LevelVerdict, NotJudged,
+    NotJudgedReason, Outcome, RequirementResult, SCHEMA_VERSION, SessionOutcome, UnsupportedKey,
 };
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -67,6 +67,7 @@ impl Summary<'_> {
             failures,
             unsupported: self.unsupported(),
             coverage: self.coverage(errors > 0),
+            admitted: self.admitted(),
             outcomes: self.outcomes(),
             sessions: self.results.len(),
             errors,
@@ -88,6 +89,26 @@ impl Summary<'_> {
             result.unsupported.is_none() && result.timeout.is_none() && result.waived.is_none()
         };
         self.results.iter().filter(is_held)
+    }
+
+    /// Answers that are right, though they are not the model's, by requirement.
+    fn admitted(&self) -> Vec<AdmittedAnswers> {
+        let mut rows: Vec<AdmittedAnswers> = Vec::new();
+        for result in self.results {
+            for admitted in &result.admitted {
+                match rows.iter_mut().find(|row| row.requirement == admitted.requirement) {
+                    Some(row) => row.answers += admitted.answers,
+                    None => rows.push(AdmittedAnswers {
+                        requirement: admitted.requirement.to_owned(),
+                        answers: admitted.answers,
+                        session: result.name.clone(),
+                        asked: admitted.asked.clone(),
+                        why: admitted.why.clone(),
+                    }),
+                }
+            }
+        }
+        rows
     }
 
     fn waived(&self) -> impl Iterator<Item = &SessionResult> {

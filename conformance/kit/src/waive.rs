@@ -1,7 +1,9 @@
 //! Failures that are known, and do not count: each with its reason.
 
 use crate::error::Error;
+use crate::report::{Outcome, SessionOutcome};
 use serde::Deserialize;
+use std::fmt;
 
 /// A failure that is known.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
@@ -13,6 +15,15 @@ pub struct Waiver {
     pub requirement: Option<String>,
     /// Why it does not count.
     pub reason: String,
+}
+
+impl fmt::Display for Waiver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let session = self.session.as_ref().map(|session| format!("session {session}"));
+        let requirement = self.requirement.as_ref().map(|requirement| format!("requirement {requirement}"));
+        let parts: Vec<_> = session.into_iter().chain(requirement).collect();
+        f.write_str(&parts.join(", "))
+    }
 }
 
 /// The failures of a file that are known.
@@ -43,6 +54,16 @@ impl Waivers {
             }
         }
         Ok(file)
+    }
+
+    /// The entries, with their numbers from 1 on, by which none of these sessions is waived.
+    pub fn unused<'a>(&'a self, outcomes: &[SessionOutcome]) -> impl Iterator<Item = (usize, &'a Waiver)> {
+        let waived = outcomes.iter().filter(|outcome| outcome.outcome == Outcome::Waived);
+        let used = waived
+            .filter_map(|outcome| self.find(&outcome.session, outcome.requirement.as_deref()?))
+            .cloned()
+            .collect::<Vec<_>>();
+        (1..).zip(&self.waive).filter(move |(_, waiver)| !used.contains(waiver))
     }
 
     /// The first entry that is about the failure of a session for a requirement.

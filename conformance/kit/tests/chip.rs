@@ -34,7 +34,7 @@ fn sums_by_hand_are_the_models() {
         let session = Session::parse(name, text).expect("a suite").remove(0);
         let make = |kind: &dyn Kind, config: &str| kind.oracle(Oracle::Model, config);
         let mut answers = Vec::new();
-        serve(&make, session.text(), &mut answers).expect("memory can be written");
+        serve(&make, &*session.text(), &mut answers).expect("memory can be written");
         let lines = answers.split(|&byte| byte == b'\n').filter(|line| line.starts_with(b"c "));
         let cycles = lines.map(|line| Answer::parse(line, Observes::ALL).expect("the form is right").cycles);
         let cycles: Vec<_> = cycles.collect();

@@ -95,10 +95,10 @@ fn python_counts_what_the_specification_counts() {
         let text = Chip.random_config(seed);
         let requests = Chip.random_requests(&text, seed, REQUESTS);
         let session = Session::new("random", Chip.hello(), &text, &requests);
-        let answers = python(session.text());
+        let answers = python(&session.text());
         let got: Vec<_> = answers.lines().filter(|line| line.starts_with("c ")).collect();
         let expected = specified(&session, &mut total);
-        assert_eq!(got, expected, "{}", String::from_utf8_lossy(session.text()));
+        assert_eq!(got, expected, "{}", String::from_utf8_lossy(&session.text()));
         runs += expected.len();
     }
     // Each unit is busy, idle and stalled by each cause; lines are merged, metadata is written back.

@@ -64,9 +64,9 @@ fn suites_and_answers(mutations: u64) {
                 if session.hello() != kind.hello() {
                     continue;
                 }
-                let right = answers(session.text());
+                let right = answers(&session.text());
                 let checked = check_answers(kind, session, &right, Level::HIGHEST);
-                assert_eq!(checked.findings, [], "{}", String::from_utf8_lossy(session.text()));
+                assert_eq!(checked.findings, [], "{}", String::from_utf8_lossy(&session.text()));
                 let wrong = mutated(&right, &mut random);
                 for finding in check_answers(kind, session, &wrong, Level::HIGHEST).findings {
                     if let Some(request) = finding.request {

@@ -148,8 +148,61 @@ fn answers_that_are_checked_agree_up_to_what_was_observed() {
         Ok::<Box<dyn Implementation>, Error>(Box::new(Blinder { model, observes: "hit" }))
     };
     let mut answers = Vec::new();
-    serve(&make, session.text(), &mut answers).expect("memory can be written");
+    serve(&make, &*session.text(), &mut answers).expect("memory can be written");
     let checked = check_answers(&Vm, &session, &answers, Level::HIGHEST);
     assert_eq!(checked.highest, Some(Level::Protocol));
     assert_eq!(checked.not_judged, [Level::Data, Level::Traffic, Level::State]);
+}
+
+/// Exact answers differ from the model's within the bound, and the report says why they are right; the model's own
+/// differ nowhere.
+#[test]
+fn answers_that_are_right_though_not_the_models_are_explained() {
+    let options = Options::default();
+    let planned: Vec<_> = (0..3).map(|seed| PlannedSession::Random { seed, requests: 5000 }).collect();
+    let report = |oracle| {
+        let dut = InProcess::oracle(oracle);
+        run("oracle", &dut, &Kd, &planned, &options, &|_| ()).expect("it runs")
+    };
+    assert_eq!(report(Oracle::Model).admitted, []);
+    let exact = report(Oracle::Naive);
+    assert_eq!(exact.verdict, ConformanceVerdict::Conforms);
+    let within = exact.admitted.iter().find(|row| row.requirement == "IS-3").expect("some are rounded");
+    assert!(within.answers > 10 && within.why.contains("the model's") && within.why.ends_with("is right"));
+    assert!(within.session.starts_with("kd/random/") && within.asked.starts_with("c "), "{within:?}");
+}
+
+/// Where an answer is wrong, the report says which are right, and within which bounds.
+#[test]
+fn wrong_hits_are_shown_beside_the_right_ones() {
+    struct Nothing(Box<dyn Implementation>);
+
+    impl Implementation for Nothing {
+        fn observes(&self) -> String {
+            "triangle,t".to_owned()
+        }
+
+        fn answer(&mut self, request: &[u8], answer: &mut Vec<u8>) -> Result<(), Error> {
+            self.0.answer(request, answer)?;
+            if request.starts_with(b"c ") {
+                answer.splice(.., *b"m -");
+            }
+            Ok(())
+        }
+    }
+
+    let dut = InProcess::new(Box::new(|kind, config| {
+        Ok::<Box<dyn Implementation>, Error>(Box::new(Nothing(kind.oracle(Oracle::Model, config)?)))
+    }));
+    let planned = [PlannedSession::Random { seed: 0, requests: 1000 }];
+    let report = run("nothing", &dut, &Kd, &planned, &Options::default(), &|_| ()).expect("it runs");
+    let failure = &report.failures[0];
+    let right = failure.state_before.iter().find(|row| row.starts_with("right: the triangle at "));
+    assert!(
+        right.is_some_and(|row| row.contains("is hit, t = ") && row.contains(" ± ")),
+        "{}",
+        failure.text()
+    );
+    assert_eq!(failure.config, "kernel=moller-trumbore");
+    assert_eq!(failure.again.as_deref(), Some("--suite kd/random/0 --requests 1000"));
 }

@@ -44,6 +44,12 @@ pub fn notes(report: &ConformanceReport) -> Vec<String> {
     for outcome in report.outcomes.iter().filter(|outcome| outcome.outcome == Outcome::Waived) {
         notes.push(format!("waived: {}: {}", outcome.session, outcome.says));
     }
+    for row in &report.admitted {
+        notes.push(format!(
+            "{} answers are right though not the model's, by {}; the first, '{}' in {}: {}",
+            row.answers, row.requirement, row.asked, row.session, row.why
+        ));
+    }
     if report.tolerance > 0 {
         notes.push(format!("timing is judged within {} thousandths", report.tolerance));
     }

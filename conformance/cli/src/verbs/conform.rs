@@ -22,10 +22,10 @@ use saarcor_kit::level::Level;
 use saarcor_kit::plan::{
     ERRORS, LONG_REQUESTS, Options, PlannedSession, RANDOM_REQUESTS, default_suite, sessions_named,
 };
-use saarcor_kit::report::{ConformanceReport, ConformanceVerdict, Outcome};
+use saarcor_kit::report::{ConformanceReport, ConformanceVerdict, Outcome, SCHEMA_VERSION};
 use saarcor_kit::requirements::{self, Covered};
 use saarcor_kit::run::{kind_of, run};
-use saarcor_kit::scoreboard::check_answers;
+use saarcor_kit::scoreboard::{CheckedAnswers, check_answers};
 use saarcor_kit::session::Session;
 use saarcor_kit::sizes::Extent;
 use saarcor_kit::target::{Target, TargetOptions, shell_word as quoted};
@@ -33,7 +33,9 @@ use saarcor_kit::templates::faults;
 use saarcor_kit::vm::{Vm, trace};
 use saarcor_kit::waive::Waivers;
 use saarcor_studies::accuracy::suites::SUITES;
+use saarcor_studies::monitor::Monitor as _;
 use saarcor_studies::names::nearest;
+use serde::Serialize;
 use std::borrow::Cow;
 use std::ffi::OsString;
 use std::fs;
@@ -166,7 +168,8 @@ impl RunArgs {
         };
         let junit = file(&self.junit, &["xml"])?;
         let html = file(&self.html, &["html", "htm"])?;
-        let named = self.suite.iter().map(|name| named(name, self.random_requests(None)));
+        let extent = Extent { seed: self.seed, requests: self.random_requests(None) };
+        let named = self.suite.iter().map(|name| named(name, &extent));
         let traces = self.trace.iter().map(|path| traced(path));
         let named = named.chain(traces).collect::<Result<Vec<_>>>()?;
         let program = std::env::current_exe().context("the path of this program")?;
@@ -192,12 +195,14 @@ impl RunArgs {
         }
         children::adopt_strays();
         signals::before_end(children::kill_all_for_good).context("signals cannot be waited for")?;
-        let report = target
-            .build()
-            .map_err(Into::into)
-            .and_then(|()| self.report(&target, Asked { named, only, waivers }, progress));
+        let asked = Asked { named, only, waivers: waivers.clone() };
+        let report = target.build().map_err(Into::into).and_then(|()| self.report(&target, asked, progress));
         children::kill_strays();
         let mut report = report.map_err(|error| self.explained(error))?;
+        for (number, waiver) in waivers.unused(&report.outcomes) {
+            let file = self.waive.as_deref().unwrap_or(Path::new("--waive")).display();
+            progress.warn(&format!("{file}: entry {number} ({waiver}) matches no failure of this run"));
+        }
         if let Err(error) = self.keep_minimal(&mut report) {
             // The verdict stands without them.
             let _ = writeln!(std::io::stderr(), "saarcor: sessions that fail are not kept: {error:#}");
@@ -348,7 +353,7 @@ impl RunArgs {
             let path = self
                 .keep
                 .join(name.replace(|c: char| !(c.is_ascii_alphanumeric() || "-._=,".contains(c)), "-"));
-            OutFile::check(&path)?.write(|out| Ok(out.write_all(&failure.suite)?))?;
+            OutFile::check(&path)?.write(|out| Ok(failure.suite.write_suite(out)?))?;
             failure.replay = Some(format!(
                 "saarcor conform run {}{} --suite {}",
                 quoted(&self.name()),
@@ -361,18 +366,18 @@ impl RunArgs {
 }
 
 /// The sessions of a suite's name, which may be mistyped.
-fn named(name: &str, requests: usize) -> Result<(&'static dyn Kind, Vec<Session>)> {
-    let hard = hard::named(name, 0);
+fn named(name: &str, extent: &Extent) -> Result<(&'static dyn Kind, Vec<Session>)> {
+    let hard = hard::named(name, extent.seed);
     if !hard.is_empty() {
         return Ok((&Kd, hard));
     }
     if !Path::new(name).exists() {
         let known: Vec<&str> = KINDS.iter().flat_map(|kind| kind.suites()).map(|(name, _)| *name).collect();
-        if let (Err(error), Some(near)) = (sessions_named(name, requests), nearest(name, known)) {
+        if let (Err(error), Some(near)) = (sessions_named(name, extent), nearest(name, known)) {
             bail!("{error}: did you mean '{near}'?");
         }
     }
-    Ok(sessions_named(name, requests)?)
+    Ok(sessions_named(name, extent)?)
 }
 
 /// The failures that are known.
@@ -403,15 +408,21 @@ struct SuiteArgs {
     /// A suite or one of its sessions, a random session such as vm/random/17, or a file
     #[arg(value_name = "SUITE")]
     suite: String,
-    /// Requests of a random session
-    #[arg(long, value_name = "N", default_value_t = 10_000)]
-    requests: u32,
+    /// Requests of a random session [default: 10000], or of all random sessions of the run that has one about sizes
+    /// [default: 2000000]
+    #[arg(long, value_name = "N")]
+    requests: Option<u32>,
+    /// First seed of the run that has the session, where it is about sizes
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
 }
 
 impl SuiteArgs {
     /// The first session of that name: a conversation has one configuration.
     fn session(&self) -> Result<(&'static dyn Kind, Session)> {
-        let (kind, sessions) = named(&self.suite, self.requests as usize)?;
+        let default = if self.suite.contains("/random/") { 10_000 } else { RANDOM_REQUESTS };
+        let requests = self.requests.map_or(default, |requests| requests as usize);
+        let (kind, sessions) = named(&self.suite, &Extent { seed: self.seed, requests })?;
         let session = sessions.into_iter().next().context("a suite has a session")?;
         Ok((kind, session))
     }
@@ -421,7 +432,9 @@ impl GenerateArgs {
     fn run(self) -> Result<Status> {
         let (_, session) = self.suite.session()?;
         let mut out = Stdout::new();
-        out.line(String::from_utf8_lossy(session.text()).trim_end())?;
+        for line in session.lines() {
+            out.line(String::from_utf8_lossy(line))?;
+        }
         out.finish()?;
         Ok(Status::Holds)
     }
@@ -438,9 +451,39 @@ struct CheckArgs {
     /// The highest level to judge
     #[arg(long, value_parser = levels(), default_value = Level::HIGHEST.name())]
     level: Level,
-    /// Prints the differences as lines of JSON
+    /// Prints what the answers come to as a line of JSON, and a line for each difference
     #[arg(long)]
     json: bool,
+}
+
+/// What the answers to a suite come to: the first line of `--json`.
+#[derive(Debug, Serialize)]
+struct CheckedRow<'a> {
+    schema_version: u32,
+    protocol: &'a str,
+    session: &'a str,
+    config: &'a str,
+    answered: usize,
+    differences: usize,
+    highest: Option<Level>,
+    not_judged: &'a [Level],
+    unsupported: Option<&'a str>,
+}
+
+impl<'a> CheckedRow<'a> {
+    fn new(kind: &'static dyn Kind, session: &'a Session, checked: &'a CheckedAnswers) -> Self {
+        Self {
+            schema_version: SCHEMA_VERSION,
+            protocol: kind.hello(),
+            session: &session.name,
+            config: session.config(),
+            answered: checked.answered,
+            differences: checked.findings.len(),
+            highest: checked.highest,
+            not_judged: &checked.not_judged,
+            unsupported: checked.unsupported.as_deref(),
+        }
+    }
 }
 
 impl CheckArgs {
@@ -455,6 +498,9 @@ impl CheckArgs {
         }
         let checked = check_answers(kind, &session, &answers, self.level);
         let mut out = Stdout::new();
+        if self.json {
+            json_line(&mut out, &CheckedRow::new(kind, &session, &checked))?;
+        }
         for finding in &checked.findings {
             if self.json {
                 json_line(&mut out, finding)?;

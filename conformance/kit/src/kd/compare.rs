@@ -3,8 +3,8 @@
 use super::admissible::{WrongRead, follow};
 use super::oracle::KdOracle;
 use super::request::{Answer, Observes, Request};
-use super::truth::{Truth, Violation};
-use crate::comparison::{Comparison, Difference, Expected};
+use super::truth::{LeftOpen, Truth, Violation};
+use crate::comparison::{Admitted, Comparison, Difference, Expected, admit};
 use crate::error::Error;
 use crate::kind::Oracle;
 use crate::level::Level;
@@ -15,6 +15,7 @@ use saarcor_model::rays::{Query, Ray};
 pub struct KdComparison {
     observes: Observes,
     expected: Expected<KdOracle>,
+    admitted: Vec<Admitted>,
 }
 
 impl KdComparison {
@@ -24,13 +25,18 @@ impl KdComparison {
     /// What is wrong with the list or the configuration.
     pub fn new(session: &Session, observes: &str) -> Result<Self, Error> {
         let model = KdOracle::new(Oracle::Model, session.config())?;
-        Ok(Self { observes: Observes::parse(observes)?, expected: Expected::new(model) })
+        Ok(Self {
+            observes: Observes::parse(observes)?,
+            expected: Expected::new(model),
+            admitted: Vec::new(),
+        })
     }
 
     /// Compares an answer to a ray that is not the model's byte for byte with what is true.
     fn compare_ray(
         &mut self,
         (query, ray): (Query, Ray),
+        request: &[u8],
         answer: &[u8],
         found: &mut dyn FnMut(Difference),
     ) -> Result<(), Error> {
@@ -42,15 +48,35 @@ impl KdComparison {
             Query::Closest => truth.check_closest(got.hit.as_ref()),
             Query::Any => truth.check_any(got.hit.is_some()),
         };
-        if let Err(Violation { requirement, says }) = checked {
-            found(Difference { level: Level::Rays, says, requirement });
+        match (checked, truth.left_open(query, got.hit.as_ref(), right.hit.as_ref())) {
+            (Err(Violation { requirement, says }), _) => {
+                found(Difference { level: Level::Rays, says, requirement });
+            }
+            (Ok(()), Some(LeftOpen { requirement, says })) => {
+                admit(&mut self.admitted, requirement, request, || says);
+            }
+            (Ok(()), None) => {}
         }
         let read = got.touched.as_deref().filter(|_| got.touched != right.touched);
-        if let Some(Err(WrongRead { place, right })) = read.map(|read| follow(memory, scene, &ray, read)) {
-            let shown = |addr: Option<u32>| addr.map_or("nothing".to_owned(), |addr| format!("{addr:x}"));
-            let read = shown(read.and_then(|read| read.get(place).copied()));
-            let says = format!("read {} reads {read}; {} is right", place + 1, shown(right));
-            found(Difference { level: Level::Traversal, says, requirement: "KD-3" });
+        let Some(read) = read else { return Ok(()) };
+        let shown = |addr: Option<u32>| addr.map_or("nothing".to_owned(), |addr| format!("{addr:x}"));
+        match follow(memory, scene, &ray, read) {
+            Err(WrongRead { place, right }) => {
+                let read = shown(read.get(place).copied());
+                let says = format!("read {} reads {read}; {} is right", place + 1, shown(right));
+                found(Difference { level: Level::Traversal, says, requirement: "KD-3" });
+            }
+            Ok(()) => admit(&mut self.admitted, "KD-3", request, || {
+                let models = right.touched.as_deref().unwrap_or_default();
+                let differ = |place: &usize| read.get(*place) != models.get(*place);
+                let place = (0..=read.len()).find(differ).unwrap_or_default();
+                let [read, models] = [read, models].map(|list| shown(list.get(place).copied()));
+                format!(
+                    "read {} reads {read}, the model's {models}: the bound of the nearest hit's distance leaves open \
+                     whether a child that was put off lies behind it",
+                    place + 1
+                )
+            }),
         }
         Ok(())
     }
@@ -77,12 +103,16 @@ impl Comparison for KdComparison {
             return Ok(());
         }
         match Request::parse(request)? {
-            Request::Trace(query, ray) => self.compare_ray((query, ray), answer, found),
+            Request::Trace(query, ray) => self.compare_ray((query, ray), request, answer, found),
             _ => Err("'ok' is right".into()),
         }
     }
 
     fn expected(&self) -> &[u8] {
         self.expected.answer()
+    }
+
+    fn admitted(&self) -> &[Admitted] {
+        &self.admitted
     }
 }

@@ -46,6 +46,10 @@ impl Kd {
     }
 }
 
+fn is_ray(request: &[u8]) -> bool {
+    request.starts_with(b"c ") || request.starts_with(b"a ")
+}
+
 impl Kind for Kd {
     fn hello(&self) -> &'static str {
         "saarcor-kd 1"
@@ -73,6 +77,20 @@ impl Kind for Kd {
 
     fn sizes(&self, extent: &Extent) -> Vec<SizedSession> {
         sizes::sessions(extent)
+    }
+
+    fn recorded(&self, requests: usize) -> Vec<Session> {
+        let parsed = |(name, text): &(&str, &str)| Session::parse(name, text).expect("a suite of the kit");
+        let cut = |session: Session| {
+            let others = session.requests().take_while(|request| !is_ray(request)).count();
+            let mut cut = session.with_those(|place| place < others.saturating_add(requests));
+            let rays = cut.requests().count() - others;
+            cut.idea = format!(
+                "The first {rays} rays of a recorded frame, over the triangles that they are tested with."
+            );
+            cut
+        };
+        suites::KD_FRAMES.iter().flat_map(parsed).map(cut).collect()
     }
 
     /// Checks that each ray has a legal scene.
@@ -107,26 +125,26 @@ impl Kind for Kd {
     fn simpler_sessions<'a>(&self, session: &'a Session) -> Candidates<'a, Session> {
         let none = || Box::new(std::iter::empty());
         let Ok(mut model) = KdOracle::new(Oracle::Model, session.config()) else { return none() };
-        let mut rays = Vec::new();
-        for line in session.requests() {
+        let mut forgotten = 0;
+        for (line, place) in session.requests().zip(1..) {
             let Ok(request) = Request::parse(line) else { return none() };
-            match request {
-                Request::Trace(query, ray) => rays.push((query, ray)),
-                Request::Flush => rays.clear(),
-                _ => {}
+            if request == Request::Flush {
+                forgotten = place;
             }
             model.change(&request);
         }
         let Ok((scene, _)) = model.scene() else { return none() };
         let of = move |scene: GeneratedScene| {
-            let mut text = scene.requests();
-            rays.iter().for_each(|(query, ray)| push_ray(&mut text, *query, ray));
-            session.with_requests(text.trim_ascii_end().split(|&byte| byte == b'\n'))
+            let mut place = 0..;
+            session.edited(&scene.requests(), |line| {
+                let is_later = place.next().is_some_and(|place| place >= forgotten);
+                (is_later && is_ray(line)).then_some(line)
+            })
         };
         Box::new(GeneratedScene::of(scene).simpler().map(of))
     }
 
-    /// The right walk.
+    /// The right hits, with their bounds, and the right walk.
     fn state_before(&self, session: &Session, request: usize) -> Vec<String> {
         let Ok(mut model) = KdOracle::new(Oracle::Model, session.config()) else { return Vec::new() };
         for line in session.requests().take(request) {
@@ -140,6 +158,7 @@ impl Kind for Kd {
         };
         let Ray { origin, direction, t_min, t_max } = ray;
         let mut rows = vec![format!("ray from {origin} along {direction}, t {t_min} to {t_max}")];
+        rows.extend(truth::Truth::new(scene, &ray).rows());
         rows.extend(walk::steps(memory, scene, &ray).iter().map(walk::Step::text));
         rows
     }

@@ -4,9 +4,10 @@ use super::Kd;
 use super::generated_scene::GeneratedScene;
 use super::request::{END_OF_ADDRESSES, push_bounds, push_ray};
 use crate::hex::push_write;
-use crate::sizes::{About, Extent, SizedSession};
+use crate::session::Requests;
+use crate::sizes::{About, Extent, SizedSession, repeated};
 use glam::Vec3;
-use saarcor_model::host::{Aabb, Axis, KdTree, MAX_DEPTH, Node, NodeRecord};
+use saarcor_model::host::{Aabb, Axis, KdTree, MAX_DEPTH, NODE_BYTES, Node, NodeRecord};
 use saarcor_model::rays::{Query, Ray};
 use saarcor_model::vm::HostAddr;
 use saarcor_random::Random;
@@ -21,6 +22,11 @@ pub fn sessions(extent: &Extent) -> Vec<SizedSession> {
         SizedSession::new(Kd, name, about, STANDARD, move |_| requests())
     };
     let mut all = vec![
+        new(
+            "sizes/far-addresses",
+            ("HI-1", None, "Nodes, lists and triangles at addresses of each width, and over all borders."),
+            far_addresses,
+        ),
         new("sizes/writes", ("HI-1", None, "Writes of many lengths, over all borders."), writes),
         new("sizes/flush", ("HI-1", None, "After a flush memory is zero, wherever it was written."), flush),
         new("sizes/lists", ("KD-1", None, "Lists of up to ten thousand triangles."), lists),
@@ -135,6 +141,51 @@ fn push_triangle(text: &mut Vec<u8>, addr: u32, corners: &[[f32; 3]; 3]) {
 
 /// A triangle across z, of which most words are zero.
 const FLAT: [[f32; 3]; 3] = [[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+
+/// A tree of two leaves, of which the upper one lists a triangle, with one of its parts behind each power of two. Where
+/// an address that lacks its upper bits leads, there lies another part of the same kind, so that a wrong walk ends.
+fn far_addresses() -> Vec<u8> {
+    let mut text = Vec::new();
+    let at = |z: f32| FLAT.map(|[x, y, _]| [x, y, z]);
+    let begin = |text: &mut Vec<u8>| {
+        text.extend_from_slice(b"flush\n");
+        push_bounds(text, &Aabb { min: Vec3::ZERO, max: Vec3::new(4.0, 4.0, 2.0) });
+    };
+    let down = ray(Vec3::new(1.0, 1.0, 5.0), Vec3::NEG_Z);
+    for bit in 12..END_OF_ADDRESSES.ilog2() {
+        for far_part in 0..3 {
+            begin(&mut text);
+            let behind = |part: u32| if part == far_part { 1 << bit } else { 0x400 };
+            let [pair, list, triangle] = [0, 1, 2].map(|part| 0x800 + 0x100 * part + behind(part));
+            let root = NodeRecord::Inner { axis: Axis::Z, split: 1.0, below: HostAddr(pair) };
+            push_write(&mut text, 0, &root.encode());
+            let (other, others_list) = (0xf00, 0xf80);
+            for (pair, list) in [(0x800, others_list), (pair, list)] {
+                for (child, count) in (0..).zip([0, 1]) {
+                    let leaf = NodeRecord::Leaf { list: HostAddr(list), count };
+                    push_write(&mut text, pair + NODE_BYTES * child, &leaf.encode());
+                }
+            }
+            for (list, triangle) in [(0x900, other), (others_list, other), (list, triangle)] {
+                push_write(&mut text, list, &triangle.to_le_bytes());
+            }
+            push_triangle(&mut text, 0xa00, &at(1.25));
+            push_triangle(&mut text, other, &at(1.5));
+            push_triangle(&mut text, triangle, &at(2.0));
+            ask(&mut text, &down);
+        }
+    }
+    for border in (12..END_OF_ADDRESSES.ilog2()).flat_map(|bit| [1 << bit, 3 << (bit - 1)]) {
+        for before in [4, 12, 20, 32] {
+            begin(&mut text);
+            // The tree comes last: what goes astray does not make it one without an end.
+            push_triangle(&mut text, border - before, &at(2.0));
+            leaf_of(&mut text, 0x100, &[border - before]);
+            ask(&mut text, &down);
+        }
+    }
+    text
+}
 
 /// A triangle whose zeros are not written, where something else was written before a flush.
 fn flush() -> Vec<u8> {
@@ -315,16 +366,20 @@ fn ties() -> Vec<u8> {
 }
 
 /// So many short rays at one triangle.
-fn long(rays: usize) -> Vec<u8> {
+fn long(rays: usize) -> Requests {
     let mut text = Vec::new();
     push_bounds(&mut text, &Aabb { min: Vec3::ZERO, max: Vec3::new(4.0, 4.0, 0.0) });
     leaf_of(&mut text, 0x100, &[0x200]);
     push_triangle(&mut text, 0x200, &FLAT);
     let hits = Ray { t_max: 4.0, ..ray(Vec3::new(1.0, 1.0, 2.0), Vec3::NEG_Z) };
     let misses = Ray { t_max: 1.0, ..hits };
-    for number in 0..rays {
-        let query = if number % 3 == 0 { Query::Any } else { Query::Closest };
-        push_ray(&mut text, query, if number % 7 == 0 { &misses } else { &hits });
-    }
-    text
+    let of_rays = |rays: usize| {
+        let mut text = Vec::new();
+        for number in 0..rays {
+            let query = if number % 3 == 0 { Query::Any } else { Query::Closest };
+            push_ray(&mut text, query, if number % 7 == 0 { &misses } else { &hits });
+        }
+        text
+    };
+    Requests { first: text, ..repeated(rays, of_rays) }
 }

@@ -10,7 +10,7 @@ use super::scene_memory::LegalScene;
 use glam::Vec3;
 use saarcor_model::host::Kernel;
 use saarcor_model::rays::{
-    Candidate, EdgeTriangle, Number, PluckerTriangle, Ray, TriangleTest, WatertightTriangle,
+    Candidate, EdgeTriangle, Number, PluckerTriangle, Query, Ray, TriangleTest, WatertightTriangle,
 };
 use saarcor_oracles::bounded::Bounded;
 use saarcor_oracles::exact::rational::nearest_f64;
@@ -22,6 +22,15 @@ pub struct Violation {
     /// The requirement that it breaks.
     pub requirement: &'static str,
     /// What is wrong, in a sentence.
+    pub says: String,
+}
+
+/// Why an answer is right though it is not the model's.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOpen {
+    /// The requirement that leaves it open.
+    pub requirement: &'static str,
+    /// What leaves it open, in a sentence.
     pub says: String,
 }
 
@@ -108,11 +117,61 @@ impl Truth {
         let [got_u, got_v] = [0, 1].map(|place| uv.map(|uv| uv[place]));
         for (name, right, got) in [("t", distance, t), ("u", u, got_u), ("v", v, got_v)] {
             if let Some(got) = got.filter(|&got| !right.allows(got)) {
-                let says = format!("{name} is {got:e}; {:e} ± {:.1e} is right", right.value, right.error);
+                let says = format!("{name} is {got:e}; {} is right", within(right));
                 return violates("IS-3", says);
             }
         }
         Ok(())
+    }
+
+    /// What leaves open that an answer that is right is not the model's; none where it says the same.
+    #[must_use]
+    pub fn left_open(&self, query: Query, got: Option<&Hit>, model: Option<&Hit>) -> Option<LeftOpen> {
+        let of = |addr: Option<u32>| self.candidates.iter().find(|known| Some(known.addr) == addr);
+        let (requirement, says) = match (query, got, model) {
+            (Query::Closest, Some(got), Some(model)) if got.triangle == model.triangle => {
+                let known = of(model.triangle)?;
+                let [got_uv, model_uv] = [got, model].map(|hit| hit.uv.unwrap_or_default());
+                let numbers = [
+                    ("t", got.t, model.t, &known.t),
+                    ("u", got.uv.map(|_| got_uv[0]), Some(model_uv[0]), &known.u),
+                    ("v", got.uv.map(|_| got_uv[1]), Some(model_uv[1]), &known.v),
+                ];
+                let differ = numbers.into_iter().find(|(_, got, model, _)| got.is_some() && got != model);
+                let (name, got, model, right) = differ?;
+                let (got, model) = (got.unwrap_or_default(), model.unwrap_or_default());
+                ("IS-3", format!("{name} is {got:e}, the model's {model:e}; {} is right", within(right)))
+            }
+            (Query::Closest, Some(got), Some(model)) => {
+                let (other, known) = (of(got.triangle)?, of(model.triangle)?);
+                let says = format!(
+                    "the triangle at {:x} is hit at {}, the model's at {:x} at {}: neither is certainly nearer",
+                    other.addr,
+                    within(&other.t),
+                    known.addr,
+                    within(&known.t)
+                );
+                ("KD-4", says)
+            }
+            (Query::Any, Some(_), Some(_)) | (_, None, None) => return None,
+            _ => {
+                let says = self.candidates.iter().find(|known| !known.hit).map(PossibleHit::text)?;
+                ("IS-1", format!("whether anything is hit is left open: {says}"))
+            }
+        };
+        Some(LeftOpen { requirement, says })
+    }
+
+    /// What is known of the nearest triangles that are not certainly missed, a row each, for a person.
+    #[must_use]
+    pub fn rows(&self) -> Vec<String> {
+        let mut nearest: Vec<&PossibleHit> = self.candidates.iter().collect();
+        nearest.sort_by(|a, b| a.t.value.total_cmp(&b.t.value));
+        let rows = nearest.iter().take(SHOWN_HITS).map(|known| format!("right: {}", known.text()));
+        match nearest.is_empty() {
+            true => vec!["right: no hit; every triangle is certainly missed".to_owned()],
+            false => rows.collect(),
+        }
     }
 
     /// What is wrong with an answer to whether anything is hit.
@@ -128,7 +187,28 @@ impl Truth {
     }
 }
 
+/// Triangles that are shown of a ray.
+const SHOWN_HITS: usize = 4;
+
+/// A number and its bound.
+fn within(number: &Bounded) -> String {
+    format!("{:e} ± {:.1e}", number.value, number.error)
+}
+
 impl PossibleHit {
+    /// What is known, in words.
+    fn text(&self) -> String {
+        let Self { addr, t, u, v, hit, .. } = self;
+        let (t, u, v) = (within(t), within(u), within(v));
+        match hit {
+            true => format!("the triangle at {addr:x} is hit, t = {t}, u = {u}, v = {v}"),
+            false => format!(
+                "the triangle at {addr:x} may be hit or missed, as t = {t}, u = {u} and v = {v} come within their bounds \
+                 of its edges or of the ray's ends"
+            ),
+        }
+    }
+
     /// Of a ray and a triangle by a test; none where it certainly misses the triangle.
     pub(super) fn new(kernel: Kernel, addr: u32, corners: &[Vec3; 3], ray: &Ray) -> Option<Self> {
         match kernel {

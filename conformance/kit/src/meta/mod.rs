@@ -11,12 +11,14 @@ pub mod tags;
 use crate::comparison::Comparison;
 use crate::coverage::Coverage;
 use crate::error::Error;
+use crate::hex::push_request;
 use crate::implementation::Implementation;
 use crate::kind::{Candidates, Kind, Oracle};
 use crate::level::Level;
 use crate::session::Session;
 use crate::sizes::{Extent, SizedSession};
 use crate::suites;
+use crate::vm::trace;
 use config::MetaConfig;
 use request::Request;
 use saarcor_model::vm::{ENTRY_BYTES, HostAddr};
@@ -27,6 +29,14 @@ use tags::TagsAdapter;
 /// The kind `saarcor-meta`.
 #[derive(Clone, Copy, Debug)]
 pub struct Meta;
+
+/// Configurations that a recorded frame is played with: the standard one, whose metadata cache holds all that a small
+/// frame needs, and ones that have too few lines, or too few granules.
+const FRAME_CONFIGS: &[&str] = &[
+    "line=128 lines=65536 ways=4 hash=add-upper policy=lru granule=16 meta-sets=1024 meta-ways=4 faults=0",
+    "line=128 lines=512 ways=8 hash=add-upper policy=lru granule=8 meta-sets=32 meta-ways=2 faults=0",
+    "line=64 lines=4096 ways=2 hash=add-upper-all policy=fifo granule=16 meta-sets=16 meta-ways=4 faults=0",
+];
 
 /// Whether a request is legal with this configuration; what would be right, where it is not.
 fn fits(config: &MetaConfig, request: Request) -> Result<(), Error> {
@@ -69,7 +79,7 @@ impl Kind for Meta {
     }
 
     fn random_config(&self, seed: u64) -> Cow<'static, str> {
-        random::config_of(seed).into()
+        random::config_of(seed)
     }
 
     fn random_requests(&self, config: &str, seed: u64, count: usize) -> Vec<u8> {
@@ -78,6 +88,14 @@ impl Kind for Meta {
 
     fn sizes(&self, extent: &Extent) -> Vec<SizedSession> {
         sizes::sessions(extent)
+    }
+
+    fn recorded(&self, requests: usize) -> Vec<Session> {
+        trace::recorded(self, FRAME_CONFIGS, requests, |addresses, _| {
+            let mut text = Vec::new();
+            addresses.iter().for_each(|HostAddr(addr)| push_request(&mut text, b'r', &[(*addr).into()]));
+            text
+        })
     }
 
     fn check(&self, session: &Session) -> Result<(), Error> {

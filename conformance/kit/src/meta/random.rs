@@ -1,13 +1,14 @@
 //! Random sessions of `saarcor-meta`, weighted to collide in the cache of lines and in that of
 //! metadata.
 
-use super::config::{self, MetaConfig};
+use super::config::{self, GRANULES, MAX_META_SETS, META_WAYS, MetaConfig};
 use crate::hex::push_request;
 use saarcor_model::vm::ENTRY_BYTES;
 use saarcor_random::Random;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-/// Configurations that seeds go through: the small geometry first, then others.
+/// The configurations of the even seeds, in turn: the small geometry first, then others. Those of the odd seeds are drawn.
 const CONFIGS: &[&str] = &[
     "line=16 lines=8 ways=4 hash=low policy=lru granule=16 meta-sets=1 meta-ways=2 faults=0",
     "line=16 lines=64 ways=4 hash=add-upper policy=lru granule=16 meta-sets=1 meta-ways=4 faults=0",
@@ -25,8 +26,22 @@ const CONFIGS: &[&str] = &[
 
 /// The configuration of a seed.
 #[must_use]
-pub fn config_of(seed: u64) -> &'static str {
-    CONFIGS[(seed % CONFIGS.len() as u64) as usize]
+pub fn config_of(seed: u64) -> Cow<'static, str> {
+    if seed.is_multiple_of(2) {
+        return CONFIGS[(seed / 2 % CONFIGS.len() as u64) as usize].into();
+    }
+    // The requests are drawn from the seed itself.
+    config::text(&drawn(&mut Random::new(!seed))).into()
+}
+
+/// Any cache of lines, and a metadata cache of any size up to one that holds all its metadata.
+fn drawn(random: &mut Random) -> MetaConfig {
+    let cache = crate::vm::config::of_seed(random);
+    let (granule, ways) = (random.pick(GRANULES), random.pick(META_WAYS));
+    let config = MetaConfig { cache, granule, sets: 1, ways, faults: random.percent(50) };
+    let holds_all = config.bytes().div_ceil((granule * ways) as u64).next_power_of_two();
+    let most = holds_all.min(MAX_META_SETS as u64).ilog2();
+    MetaConfig { sets: 1 << random.below(u64::from(most) + 1), ..config }
 }
 
 /// Sets whose lines are used: over twice as many as the metadata cache has ways.
@@ -47,7 +62,8 @@ pub fn requests(config: &str, seed: u64, count: usize) -> Vec<u8> {
     for _ in 0..count {
         let host = random.pick(&pool) * size + random.below(size);
         match random.below(1000) {
-            0..40 => {
+            // A range meets fewer lines than the card has.
+            0..40 if lines > 1 => {
                 let most = (lines - 1).min(3);
                 let len = (1 + random.below(most * size - size + 1)).min((1 << 32) - host);
                 push_request(&mut text, b'i', &[host, len]);
@@ -101,10 +117,27 @@ mod tests {
 
     #[test]
     fn sessions_are_legal_and_of_the_size_asked_for() {
-        for seed in 0..4 * CONFIGS.len() as u64 {
+        for seed in 0..200 {
             let session = Meta.random(seed, 300);
             Meta.check(&session).expect("legal");
             assert_eq!(session.requests().count(), 300, "{seed}");
         }
+    }
+
+    /// Half of the seeds have a configuration of their own, and among some hundreds of them is each size of the
+    /// metadata cache.
+    #[test]
+    fn configurations_are_drawn_by_seed_over_all_powers_of_two() {
+        let drawn: Vec<_> =
+            (0..400).map(|number| config::parse(&config_of(2 * number + 1)).expect("legal")).collect();
+        let values = |of: fn(&MetaConfig) -> usize| drawn.iter().map(of).collect::<BTreeSet<_>>();
+        assert!(values(|config| config.sets).into_iter().eq((0..=14).map(|bit| 1 << bit)));
+        assert!(values(|config| config.ways).into_iter().eq(META_WAYS.iter().copied()));
+        assert!(values(|config| config.granule).into_iter().eq(GRANULES.iter().copied()));
+        assert!(values(|config| config.cache.geometry.line().0 as usize).len() == 17);
+        assert!(values(|config| usize::from(config.faults)).len() == 2);
+        let evicts =
+            |config: &&MetaConfig| config.bytes() > (config.granule * config.ways * config.sets) as u64;
+        assert!(drawn.iter().filter(evicts).count() > drawn.len() / 2);
     }
 }

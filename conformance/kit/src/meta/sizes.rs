@@ -3,15 +3,14 @@
 use super::Meta;
 use super::config::{self, GRANULES, MAX_META_SETS, META_WAYS, MetaConfig};
 use crate::hex::push_request;
-use crate::sizes::{About, Extent, SizedSession};
-use crate::vm::config::{HASHES, POLICIES};
+use crate::sizes::{About, Extent, SizedSession, repeated};
+use crate::vm::config::{HASHES, POLICIES, WAYS};
 use crate::vm::sizes::{line_in, uppers};
 use saarcor_model::vm::{Bytes, CacheConfig, ENTRY_BYTES, Geometry};
 use saarcor_random::Random;
 
-/// Ways of sets, and shapes of a plan: each number of ways with each policy and granule, and each number of sets of the
+/// Shapes of a plan: each number of ways with each policy and granule, and each number of sets of the
 /// metadata cache twice.
-const WAYS: [u32; 5] = [1, 2, 4, 8, 16];
 const SHAPES: u64 = WAYS.len() as u64 * POLICIES.len() as u64 * GRANULES.len() as u64;
 
 const STANDARD: &str =
@@ -45,8 +44,10 @@ pub fn sessions(extent: &Extent) -> Vec<SizedSession> {
     }
     let requests = extent.long();
     let about = ("", None, "More requests than counters count.");
-    let long =
-        move |config: &str| long(&config::parse(config).expect("a configuration of the kit"), requests);
+    let long = move |config: &str| {
+        let config = config::parse(config).expect("a configuration of the kit");
+        repeated(requests, |count| long(&config, count))
+    };
     all.push(SizedSession::new(Meta, "sizes/long", about, SMALL, long).large());
     all
 }

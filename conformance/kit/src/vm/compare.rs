@@ -88,19 +88,45 @@ struct LineHistory {
     invalidated: bool,
     /// It has been written since it was read last.
     written: bool,
-    /// How much of `overwritten` there was whenever it was read since it was invalidated: what it held then a cache
-    /// may still hold.
-    reads: Vec<usize>,
-    /// Since the first of these reads, the first address of each write to it, and the bytes that were there before:
-    /// together no longer than the session, however long the line is.
+    /// It has been read since it was invalidated.
+    is_read: bool,
+    /// The writes since the first of these reads. Few lines of many have any.
+    writes: Option<Box<Writes>>,
+}
+
+/// What has been written to a line since it was read.
+#[derive(Clone, Debug, Default)]
+struct Writes {
+    /// The first address of each write, and the bytes that were there before: together no longer than the session,
+    /// however long the line is.
     overwritten: Vec<(u32, Vec<u8>)>,
+    /// How many of them there were whenever the line was read again: what it held then a cache may still hold.
+    reads: Vec<usize>,
 }
 
 impl LineHistory {
     fn is_invalidated(&mut self) {
         self.invalidated = true;
-        self.reads.clear();
-        self.overwritten.clear();
+        self.is_read = false;
+        self.writes = None;
+    }
+
+    fn is_read(&mut self) {
+        self.is_read = true;
+        let Some(Writes { overwritten, reads }) = self.writes.as_deref_mut() else { return };
+        if reads.last() != Some(&overwritten.len()) {
+            reads.push(overwritten.len());
+        }
+    }
+
+    fn overwritten(&self) -> &[(u32, Vec<u8>)] {
+        self.writes.as_ref().map_or(&[], |writes| &writes.overwritten)
+    }
+
+    /// How much of `overwritten` there was at each read, the last one first.
+    fn reads(&self) -> impl Iterator<Item = usize> {
+        let again = self.writes.iter().flat_map(|writes| writes.reads.iter().rev().copied());
+        again.chain(self.is_read.then_some(0))
     }
 
     /// What the bytes from `host` on, which are `now`, were at the reads since the line was invalidated, beside
@@ -108,13 +134,13 @@ impl LineHistory {
     ///
     /// The time it takes is that of the reads and of the bytes written between them, whatever the length.
     fn earlier(&self, host: u32, now: &[u8], got: &[u8]) -> Earlier {
-        let (mut bytes, mut writes) = (now.to_vec(), self.overwritten.len());
+        let (mut bytes, mut writes) = (now.to_vec(), self.overwritten().len());
         // How many bytes are not those of `got`, and not those of `now`.
         let mut not_got = bytes.iter().zip(got).filter(|(byte, got)| byte != got).count();
         let mut not_now = 0;
         let mut earlier = Earlier::Unchanged;
-        for &read in self.reads.iter().rev() {
-            for (first, old) in self.overwritten[read..writes].iter().rev() {
+        for read in self.reads() {
+            for (first, old) in self.overwritten()[read..writes].iter().rev() {
                 for (addr, &old) in (u64::from(*first)..).zip(old) {
                     let place = addr.checked_sub(host.into()).map(|place| place as usize);
                     let Some(place) = place.filter(|place| *place < bytes.len()) else { continue };
@@ -192,8 +218,9 @@ impl WordComparison {
                     let end = u64::from(geometry.first_byte(LineAddr(*line)).0) + geometry.line().0;
                     let to = ((end - u64::from(host)) as usize).min(old.len());
                     life.written = true;
-                    if !life.reads.is_empty() {
-                        life.overwritten.push((first, old[from..to].to_vec()));
+                    if life.is_read {
+                        let writes = life.writes.get_or_insert_default();
+                        writes.overwritten.push((first, old[from..to].to_vec()));
                     }
                 }
                 self.host.write(host, &written);
@@ -202,9 +229,7 @@ impl WordComparison {
                 let line = self.config.geometry.line_of(HostAddr(host));
                 let life = self.lines.entry(line.0).or_default();
                 (life.invalidations, life.invalidated, life.written) = (self.invalidations, false, false);
-                if life.reads.last() != Some(&life.overwritten.len()) {
-                    life.reads.push(life.overwritten.len());
-                }
+                life.is_read();
             }
             Ok(Request::Invalidate { host, len }) => {
                 self.invalidations += 1;
@@ -384,7 +409,7 @@ mod tests {
             words.follow(format!("w {number:x} 01").as_bytes());
         }
         let life = &words.lines[&0];
-        assert_eq!((life.reads.len(), life.overwritten.len()), (10_000, 10_000));
-        assert!(life.overwritten.iter().all(|(_, old)| old.len() == 1));
+        assert_eq!((life.reads().count(), life.overwritten().len()), (10_000, 10_000));
+        assert!(life.overwritten().iter().all(|(_, old)| old.len() == 1));
     }
 }

@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::words::{Choices, Values, name_of};
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy};
+use saarcor_random::Random;
 
 /// Most bytes of a line of a session (Assumed), so that answers have a longest.
 pub const MAX_LINE_BYTES: usize = 1 << 16;
@@ -20,6 +21,13 @@ pub const MAX_MEMORY: Bytes = Bytes(128 << 20);
 
 /// Most lines of a session: the kit holds the metadata of each.
 const MAX_LINES: u64 = 1 << 21;
+
+/// Numbers of ways.
+pub const WAYS: [u32; 5] = [1, 2, 4, 8, 16];
+
+/// Most bytes of memory that is drawn, and most lines, as powers of two: more take too long to flush, again and again.
+const DRAWN_MEMORY_BITS: u64 = 26;
+const DRAWN_LINES_BITS: u64 = 18;
 
 /// The keys of a configuration.
 pub const KEYS: [&str; 5] = ["line", "lines", "ways", "hash", "policy"];
@@ -61,6 +69,25 @@ pub fn text(config: &CacheConfig) -> String {
         name_of(HASHES, hash),
         name_of(POLICIES, policy)
     )
+}
+
+/// A cache of lines of so many bytes, whose number of sets, any power of two, and whose hash are drawn.
+#[must_use]
+pub(crate) fn drawn(random: &mut Random, line_bits: u64, ways: u32, policy: Policy) -> CacheConfig {
+    let most = DRAWN_LINES_BITS.min(DRAWN_MEMORY_BITS - line_bits);
+    let set_bits = random.below(most + 1 - u64::from(ways.ilog2()));
+    let memory = Bytes(u64::from(ways) << (line_bits + set_bits));
+    let geometry = Geometry::new(memory, Bytes(1 << line_bits), ways).expect("powers of two");
+    let (_, hash) = random.pick(HASHES);
+    CacheConfig { geometry, hash, policy }
+}
+
+/// The cache of a seed: any of all that can be drawn.
+#[must_use]
+pub(crate) fn of_seed(random: &mut Random) -> CacheConfig {
+    let line_bits = random.below(u64::from(MAX_LINE_BYTES.ilog2()) + 1);
+    let (ways, (_, policy)) = (random.pick(&WAYS), random.pick(POLICIES));
+    drawn(random, line_bits, ways, policy)
 }
 
 /// Configurations that are simpler by one step: fewer ways, fewer sets, shorter lines, `low`, `lru`.

@@ -48,7 +48,7 @@ impl Kind for Vm {
     }
 
     fn random_config(&self, seed: u64) -> Cow<'static, str> {
-        random::config_of(seed).into()
+        random::config_of(seed)
     }
 
     fn random_requests(&self, config: &str, seed: u64, count: usize) -> Vec<u8> {
@@ -60,11 +60,7 @@ impl Kind for Vm {
     }
 
     fn recorded(&self, requests: usize) -> Vec<Session> {
-        let frames = trace::FRAMES.iter().flat_map(|(name, din)| {
-            let addresses = trace::parse_din(din).expect("a trace of the kit, which a test reads");
-            trace::sessions(name, self.hello(), &addresses, requests)
-        });
-        frames.collect()
+        trace::recorded(self, trace::CONFIGS, requests, trace::requests)
     }
 
     fn check(&self, session: &Session) -> Result<(), Error> {
@@ -125,13 +121,13 @@ impl Kind for Vm {
         let Ok(config) = config::parse(session.config()) else { return Vec::new() };
         let asked = session.requests().nth(request);
         let Some(Ok(Request::Read { host, .. })) = asked.map(Request::parse) else { return Vec::new() };
-        let before: Vec<_> = session.requests().take(request).collect();
+        let before = session.requests().take(request);
         match config.geometry.ways() {
-            1 => shown::<1>(config, &before, host),
-            2 => shown::<2>(config, &before, host),
-            4 => shown::<4>(config, &before, host),
-            8 => shown::<8>(config, &before, host),
-            _ => shown::<16>(config, &before, host),
+            1 => shown::<1>(config, before, host),
+            2 => shown::<2>(config, before, host),
+            4 => shown::<4>(config, before, host),
+            8 => shown::<8>(config, before, host),
+            _ => shown::<16>(config, before, host),
         }
     }
 
@@ -141,10 +137,14 @@ impl Kind for Vm {
 }
 
 /// The set of `host` after some requests, way by way.
-fn shown<const WAYS: usize>(config: CacheConfig, before: &[&[u8]], host: u32) -> Vec<String> {
+fn shown<'a, const WAYS: usize>(
+    config: CacheConfig,
+    before: impl Iterator<Item = &'a [u8]>,
+    host: u32,
+) -> Vec<String> {
     let mut cache = model::ModelCache::<WAYS>::new(config);
     let mut buffer = Vec::new();
-    for request in before.iter().filter_map(|request| Request::parse(request).ok()) {
+    for request in before.filter_map(|request| Request::parse(request).ok()) {
         cache::play(&mut cache, &request, &mut buffer);
     }
     let set: &Set<WAYS> = cache.set_of(HostAddr(host));

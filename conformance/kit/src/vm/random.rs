@@ -4,8 +4,10 @@ use super::config;
 use crate::hex;
 use saarcor_model::vm::CacheConfig;
 use saarcor_random::Random;
+use std::borrow::Cow;
 
-/// The configurations of the seeds, in turn: the small geometry with each hash and policy, then others.
+/// The configurations of the even seeds, in turn: the small geometry with each hash and policy, then others. Those of
+/// the odd seeds are drawn.
 pub const CONFIGS: &[&str] = &[
     "line=16 lines=8 ways=4 hash=add-upper policy=lru",
     "line=16 lines=8 ways=4 hash=add-upper policy=fifo",
@@ -14,35 +16,29 @@ pub const CONFIGS: &[&str] = &[
     "line=16 lines=8 ways=4 hash=low policy=lru",
     "line=16 lines=8 ways=4 hash=low policy=fifo",
     "line=16 lines=8 ways=4 hash=low policy=plru",
-    "line=64 lines=256 ways=2 hash=add-upper-all policy=lru",
+    "line=32 lines=64 ways=8 hash=add-upper policy=lru",
     "line=16 lines=8 ways=4 hash=add-upper-all policy=lru",
     "line=16 lines=8 ways=4 hash=add-upper-all policy=fifo",
     "line=16 lines=8 ways=4 hash=add-upper-all policy=plru",
-    "line=128 lines=1024 ways=4 hash=add-upper policy=plru",
-    "line=32 lines=64 ways=8 hash=add-upper policy=lru",
-    "line=32 lines=64 ways=8 hash=add-upper policy=fifo",
-    "line=32 lines=64 ways=8 hash=add-upper policy=plru",
-    "line=128 lines=65536 ways=4 hash=low policy=lru",
-    "line=64 lines=16 ways=1 hash=add-upper policy=lru",
-    "line=1024 lines=32 ways=16 hash=add-upper policy=lru",
-    "line=4 lines=128 ways=16 hash=low policy=plru",
     "line=1 lines=16 ways=2 hash=add-upper policy=fifo",
-    "line=16 lines=2 ways=2 hash=add-upper policy=lru",
-    "line=256 lines=512 ways=2 hash=add-upper-all policy=fifo",
-    "line=128 lines=4096 ways=8 hash=add-upper policy=lru",
-    "line=32 lines=32 ways=1 hash=add-upper-all policy=lru",
 ];
 
 /// The configuration of a seed.
 #[must_use]
-pub fn config_of(seed: u64) -> &'static str {
-    CONFIGS[(seed % CONFIGS.len() as u64) as usize]
+pub fn config_of(seed: u64) -> Cow<'static, str> {
+    if seed.is_multiple_of(2) {
+        return CONFIGS[(seed / 2 % CONFIGS.len() as u64) as usize].into();
+    }
+    // The requests are drawn from the seed itself.
+    config::text(&config::of_seed(&mut Random::new(!seed))).into()
 }
 
 /// Sets that a session uses: few, so that lines collide, but more than one.
 const TARGET_SETS: u64 = 3;
 /// Most accesses stay within so many first bytes of a line.
 const WARM_BYTES: u64 = 16;
+/// Lines that are longer are read as a whole the more rarely: answers take as many bytes.
+const LONG_LINE: u64 = 1024;
 
 /// The requests of a seed, each with its newline.
 ///
@@ -148,7 +144,7 @@ impl SessionWriter {
     fn read(&mut self, line: u64) {
         let size = self.config.geometry.line().0;
         let (offset, len) = match self.random.below(64) {
-            0 => (0, size),
+            0 if self.random.below(size.div_ceil(LONG_LINE)) == 0 => (0, size),
             1..4 => {
                 let offset = self.random.below(size);
                 (offset, 1 + self.random.below((size - offset).min(WARM_BYTES)))
@@ -192,14 +188,15 @@ impl SessionWriter {
 mod tests {
     use super::super::request::Request;
     use super::*;
+    use std::collections::BTreeSet;
 
     #[test]
     fn sessions_are_legal_and_of_the_size_asked_for() {
-        for seed in 0..2 * CONFIGS.len() as u64 {
+        for seed in 0..200 {
             let config = config_of(seed);
-            let line = config::parse(config).expect("legal").geometry.line().0;
+            let line = config::parse(&config).expect("legal").geometry.line().0;
             for count in [0, 1, 2, 300] {
-                let text = requests(config, seed, count);
+                let text = requests(&config, seed, count);
                 let lines: Vec<_> =
                     text.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()).collect();
                 assert_eq!(lines.len(), count, "{config}");
@@ -208,5 +205,23 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Half of the seeds have a configuration of their own, and among some hundreds of them are each length of a
+    /// line, each number of ways and of sets, each hash and each policy.
+    #[test]
+    fn configurations_are_drawn_by_seed_over_all_powers_of_two() {
+        let drawn: Vec<_> =
+            (0..400).map(|number| config::parse(&config_of(2 * number + 1)).expect("legal")).collect();
+        let values = |of: fn(&CacheConfig) -> u64| drawn.iter().map(of).collect::<BTreeSet<_>>();
+        let lines = values(|config| config.geometry.line().0);
+        assert!(lines.into_iter().eq((0..=16).map(|bit| 1 << bit)));
+        let sets = values(|config| config.geometry.sets());
+        assert!(sets.into_iter().eq((0..=18).map(|bit| 1 << bit)));
+        let ways = values(|config| config.geometry.ways().into());
+        assert!(ways.into_iter().eq(config::WAYS.map(u64::from)));
+        assert_eq!(values(|config| 3 * config.hash as u64 + config.policy as u64).len(), 9);
+        let texts: BTreeSet<_> = drawn.iter().map(config::text).collect();
+        assert!(texts.len() > 350, "{}", texts.len());
     }
 }

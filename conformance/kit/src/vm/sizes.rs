@@ -4,19 +4,14 @@ use super::Vm;
 use super::config;
 use crate::hex::{push_request, push_write};
 use crate::level::Level;
-use crate::sizes::{Extent, SizedSession};
-use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, LineAddr};
+use crate::sizes::{Extent, SizedSession, repeated};
+use saarcor_model::vm::{CacheConfig, LineAddr};
 use saarcor_random::Random;
 
-/// Ways of sets.
-const WAYS: [u32; 5] = [1, 2, 4, 8, 16];
 /// Lines have up to this power of two of bytes.
 const LINE_BITS: u64 = 15;
 /// Shapes of a plan: each length of a line with each policy.
 const SHAPES: u64 = (LINE_BITS + 1) * config::POLICIES.len() as u64;
-/// Most bytes of memory of a shape, and most lines, as powers of two.
-const MEMORY_BITS: u64 = 26;
-const SHAPE_LINE_BITS: u64 = 18;
 
 const ANY: (&str, Option<Level>, &str) = ("", None, "");
 const STANDARD: &str = "line=128 lines=65536 ways=4 hash=add-upper policy=lru";
@@ -64,7 +59,7 @@ pub fn sessions(extent: &Extent) -> Vec<SizedSession> {
     }
     let requests = extent.long();
     let counted = |what, about, by: fn(&mut Vec<u8>, u64, u8)| {
-        let made = move |config: &str| counted(config, requests / 3, by);
+        let made = move |config: &str| repeated(requests / 3, |count| counted(config, count, by));
         SizedSession::new(Vm, &format!("sizes/many-{what}"), about, SMALL, made).large()
     };
     all.push(counted("flushes", ("VM-8", None, "However many flushes there were."), |text, _, _| {
@@ -79,7 +74,8 @@ pub fn sessions(extent: &Extent) -> Vec<SizedSession> {
     }));
     for (name, config) in [("sizes/long", STANDARD), ("sizes/long@lines=64", SMALL)] {
         let about = ("", None, "More requests than counters count.");
-        all.push(SizedSession::new(Vm, name, about, config, move |config| long(config, 7, requests)).large());
+        let made = move |config: &str| repeated(requests, |count| long(config, 7, count));
+        all.push(SizedSession::new(Vm, name, about, config, made).large());
     }
     all
 }
@@ -255,14 +251,10 @@ fn shape(number: u64) -> SizedSession {
     let mut random = Random::new(number);
     let (line_bits, policy) =
         (number % (LINE_BITS + 1), number / (LINE_BITS + 1) % config::POLICIES.len() as u64);
-    let ways = WAYS[((line_bits + policy + number / SHAPES) % WAYS.len() as u64) as usize];
-    let most = SHAPE_LINE_BITS.min(MEMORY_BITS - line_bits);
-    let set_bits = random.below(most + 1 - u64::from(ways.ilog2()));
-    let memory = Bytes(u64::from(ways) << (line_bits + set_bits));
-    let geometry = Geometry::new(memory, Bytes(1 << line_bits), ways).expect("powers of two");
-    let (_, hash) = random.pick::<(&str, Hash)>(config::HASHES);
+    let ways = config::WAYS;
+    let ways = ways[((line_bits + policy + number / SHAPES) % ways.len() as u64) as usize];
     let (_, policy) = config::POLICIES[policy as usize];
-    let config = config::text(&CacheConfig { geometry, hash, policy });
+    let config = config::text(&config::drawn(&mut random, line_bits, ways, policy));
     SizedSession::new(Vm, &format!("shape/{number}"), ANY, &config, move |config| shaped(config, number))
 }
 

@@ -6,18 +6,19 @@
 use super::config;
 use crate::error::Error;
 use crate::hex;
+use crate::kind::Kind;
 use crate::session::Session;
 use saarcor_model::vm::HostAddr;
 use saarcor_random::Random;
 use std::collections::BTreeSet;
 
 /// Traces of the kit by their names.
-pub const FRAMES: &[(&str, &str)] =
-    &[("vm/frame/pquake3-nt-150", include_str!("../../../../reference/oracles/traces/pquake3-nt-150.din"))];
+const FRAMES: &[(&str, &str)] =
+    &[("pquake3-nt-150", include_str!("../../../../reference/oracles/traces/pquake3-nt-150.din"))];
 
 /// Configurations that a trace is played with: the standard one, which holds all of a small frame,
 /// and ones that do not.
-const CONFIGS: &[&str] = &[
+pub(super) const CONFIGS: &[&str] = &[
     "line=128 lines=65536 ways=4 hash=add-upper policy=lru",
     "line=128 lines=512 ways=4 hash=add-upper policy=plru",
     "line=64 lines=64 ways=2 hash=add-upper-all policy=fifo",
@@ -50,22 +51,47 @@ fn shown(row: &str) -> String {
     row.chars().take(SHOWN).collect()
 }
 
-/// The first `reads` accesses of a trace as sessions, one for each configuration.
+/// The traces of the kit, each as sessions of `kind` of at most so many reads, as [`played`] makes them.
+pub(crate) fn recorded(
+    kind: &dyn Kind,
+    configs: &[&str],
+    reads: usize,
+    requests: impl Fn(&[HostAddr], &str) -> Vec<u8>,
+) -> Vec<Session> {
+    let of_frame = |(name, din): &(&str, &str)| {
+        let addresses = parse_din(din).expect("a trace of the kit, which a test reads");
+        let name = format!("{}/frame/{name}", kind.prefix());
+        played(&name, kind.hello(), configs, &addresses[..addresses.len().min(reads)], &requests)
+    };
+    FRAMES.iter().flat_map(of_frame).collect()
+}
+
+/// The first `reads` accesses of a trace as sessions of `saarcor-vm`, one for each configuration.
 #[must_use]
 pub fn sessions(name: &str, hello: &str, addresses: &[HostAddr], reads: usize) -> Vec<Session> {
-    let played = &addresses[..addresses.len().min(reads)];
+    played(name, hello, CONFIGS, &addresses[..addresses.len().min(reads)], &requests)
+}
+
+/// Accesses as sessions, one for each configuration, for which `requests` makes the requests.
+fn played(
+    name: &str,
+    hello: &str,
+    configs: &[&str],
+    played: &[HostAddr],
+    requests: &dyn Fn(&[HostAddr], &str) -> Vec<u8>,
+) -> Vec<Session> {
     let session = |(config, number): (&&str, usize)| {
         let name = if number == 0 { name.to_owned() } else { format!("{name}@{number}") };
-        let size = config::parse(config).map_or(1, |config| config.geometry.line().0);
-        let mut session = Session::new(&name, hello, config, &requests(played, size));
+        let mut session = Session::new(&name, hello, config, &requests(played, config));
         session.idea = format!("The first {} reads of a recorded frame.", played.len());
         session
     };
-    CONFIGS.iter().zip(0..).map(session).collect()
+    configs.iter().zip(0..).map(session).collect()
 }
 
 /// Writes to each line, then the reads.
-fn requests(addresses: &[HostAddr], line_bytes: u64) -> Vec<u8> {
+pub(super) fn requests(addresses: &[HostAddr], config: &str) -> Vec<u8> {
+    let line_bytes = config::parse(config).map_or(1, |config| config.geometry.line().0);
     let mut text = Vec::new();
     let lines: BTreeSet<u64> = addresses.iter().map(|addr| u64::from(addr.0) / line_bytes).collect();
     for line in lines {
@@ -94,7 +120,6 @@ fn request(text: &mut Vec<u8>, name: u8, host: u64) {
 mod tests {
     use super::super::Vm;
     use super::*;
-    use crate::kind::Kind as _;
 
     #[test]
     fn rows_are_addresses() {
