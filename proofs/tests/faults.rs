@@ -149,10 +149,8 @@ fn said_of(copied: &Path, theorems: &[&str]) -> String {
     command.args(ENGINES.map(|engine| format!("{engine}::")));
     command.env("CARGO_TARGET_DIR", copied.join("target"));
     command.env("SAARCOR_THEOREM", theorems.join(","));
-    // Among many theorems it is asked which ones fail, and not for the smallest case of each.
-    if theorems.len() > 1 {
-        command.env("PROPTEST_MAX_SHRINK_ITERS", "20");
-    }
+    // It is asked which ones fail, and not for the smallest case of each.
+    command.env("PROPTEST_MAX_SHRINK_ITERS", "20");
     let output = command.output().expect("cargo");
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     if !text.contains("test result: ") {

@@ -28,7 +28,7 @@ pub(crate) fn sdram(code: &mut u64) -> SdramConfig {
         cas: pick(code, &[1, 0, 3]),
         ras_to_cas: pick(code, &[2, 0, 3]),
         precharge: pick(code, &[1, 0, 3]),
-        row_cycle: pick(code, &[5, 0, 9]),
+        row_cycle: pick(code, &[7, 0, 9]),
         write_recovery: pick(code, &[2, 0, 1]),
         row_active: pick(code, &[4, 0, 6]),
         row_to_row: pick(code, &[3, 0, 2]),
