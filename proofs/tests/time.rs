@@ -13,6 +13,7 @@ use saarcor_oracles::memory_protocol::{self, Checker, Rule, Timing};
 use saarcor_proofs::time::chip::laws::{
     Account, Arrivals, HandOut, LookUps, Parts, Ports, Queue, Threads, Units, Waiting, run,
 };
+use std::collections::{BTreeSet, VecDeque};
 
 /// Numbers that look random: Knuth's linear congruential generator (MMIX).
 struct Numbers(u64);
@@ -297,10 +298,9 @@ fn any_requests(
     (0..count).map(|_| request()).collect()
 }
 
-/// Holds commands to the data sheet. Refreshes may come late here: requests queue up for longer than on a chip.
-#[track_caller]
-fn keeps_the_data_sheet(config: SdramConfig, commands: &[(u64, Command)]) {
-    let timing = Timing {
+/// The times of memory chips, as data sheets name them.
+fn timing_of(config: SdramConfig) -> Timing {
+    Timing {
         banks: config.banks.into(),
         rows: u64::MAX,
         columns_a_row: u64::from(config.row_bytes / config.beat_bytes),
@@ -315,26 +315,91 @@ fn keeps_the_data_sheet(config: SdramConfig, commands: &[(u64, Command)]) {
         t_refi: config.refresh_interval.into(),
         // SD-4: a burst moves all its beats.
         burst_cut: 0,
-    };
-    let mut checker = Checker::new(timing);
-    for &(clock, command) in commands {
-        let command = match command {
-            Command::Open(bank, row) => memory_protocol::Command::Activate { bank: bank as u64, row },
-            Command::Close(bank) => memory_protocol::Command::Precharge { bank: Some(bank as u64) },
-            Command::CloseAll => memory_protocol::Command::Precharge { bank: None },
-            Command::Refresh => memory_protocol::Command::Refresh,
-            Command::Move(Burst { bank, row, column, beats, direction }) => {
-                let burst = memory_protocol::Burst { bank: bank as u64, row: Some(row), column, beats };
-                match direction {
-                    Direction::Read => memory_protocol::Command::Read(burst),
-                    Direction::Write => memory_protocol::Command::Write(burst),
-                }
+    }
+}
+
+/// A command, as data sheets name it.
+fn named(command: Command) -> memory_protocol::Command {
+    match command {
+        Command::Open(bank, row) => memory_protocol::Command::Activate { bank: bank as u64, row },
+        Command::Close(bank) => memory_protocol::Command::Precharge { bank: Some(bank as u64) },
+        Command::CloseAll => memory_protocol::Command::Precharge { bank: None },
+        Command::Refresh => memory_protocol::Command::Refresh,
+        Command::Move(Burst { bank, row, column, beats, direction }) => {
+            let burst = memory_protocol::Burst { bank: bank as u64, row: Some(row), column, beats };
+            match direction {
+                Direction::Read => memory_protocol::Command::Read(burst),
+                Direction::Write => memory_protocol::Command::Write(burst),
             }
-        };
-        match checker.check(clock, command) {
+        }
+    }
+}
+
+/// Holds commands to the data sheet. Refreshes may come late here: requests queue up for longer than on a chip.
+#[track_caller]
+fn keeps_the_data_sheet(config: SdramConfig, commands: &[(u64, Command)]) {
+    let mut checker = Checker::new(timing_of(config));
+    for &(clock, command) in commands {
+        match checker.check(clock, named(command)) {
             Err(violation) if violation.rule != Rule::RefreshLate => panic!("{violation}, of {config:?}"),
             _ => {}
         }
+    }
+}
+
+/// Memory chips that keep one time a clock too short are found, and for that time.
+#[test]
+fn each_time_that_is_a_clock_too_short_is_found() {
+    // Openings and closings of PC133 take as long as its cycle of rows, which then never decides.
+    let right = SdramConfig { row_cycle: 10, ..SdramConfig::STANDARD };
+    let shortened: [(Rule, fn(&mut SdramConfig)); 9] = [
+        (Rule::Cl, |config| config.cas -= 1),
+        (Rule::Trcd, |config| config.ras_to_cas -= 1),
+        (Rule::Trp, |config| config.precharge -= 1),
+        (Rule::Tras, |config| config.row_active -= 1),
+        (Rule::Trc, |config| config.row_cycle -= 1),
+        (Rule::Trrd, |config| config.row_to_row -= 1),
+        (Rule::Twr, |config| config.write_recovery -= 1),
+        (Rule::Trfc, |config| config.refresh -= 1),
+        (Rule::RefreshEarly, |config| config.refresh_interval -= 1),
+    ];
+    let mut n = Numbers(8);
+    let requests = any_requests(&mut n, 20_000, &[0, 8, 200, 1000], 1 << 16);
+    let rules_of = |config: SdramConfig| {
+        let (mut sdram, mut checker) =
+            (saarcor_fast::sdram::Sdram::new(config), Checker::new(timing_of(right)));
+        let (mut found, mut spans) = (BTreeSet::new(), VecDeque::new());
+        let last = requests.last().map_or(0, |request| request.0) + 100_000;
+        let ends = requests.iter().map(Some).chain([None]);
+        for request in ends {
+            let now = request.map_or(last, |request| request.0);
+            while let Some((clock, command)) = sdram.take_command(now) {
+                found.extend(checker.check(clock, named(command)).err().map(|violation| violation.rule));
+                // Of requests that stay in a row, one command moves the data.
+                if let Command::Move(burst) = command
+                    && let Some(Span { begin, end }) = spans.pop_front()
+                {
+                    let data = |direction| match direction {
+                        Direction::Read => memory_protocol::Direction::Read,
+                        Direction::Write => memory_protocol::Direction::Write,
+                    };
+                    let cycles = u64::from(config.cycles_a_clock);
+                    let seen = checker.data(begin / cycles, end / cycles, data(burst.direction));
+                    found.extend(seen.err().map(|violation| violation.rule));
+                }
+            }
+            if let Some(&(_, addr, bytes, direction)) = request {
+                spans.push_back(sdram.transfer(now, addr / 256 * 256, bytes, direction));
+            }
+        }
+        found
+    };
+    assert_eq!(rules_of(right), BTreeSet::new());
+    for (rule, shorten) in shortened {
+        let mut config = right;
+        shorten(&mut config);
+        let found = rules_of(config);
+        assert!(found.contains(&rule), "{rule:?}: {found:?}");
     }
 }
 
