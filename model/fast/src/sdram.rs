@@ -88,7 +88,7 @@ impl Sdram {
         let beats = config.beats(addr, bytes);
         let row_bytes = u64::from(config.row_bytes);
         let banks = u64::from(config.banks);
-        let (number, row) = ((addr / row_bytes & (banks - 1)) as usize, addr / row_bytes / banks);
+        let (number, row) = (((addr / row_bytes) & (banks - 1)) as usize, addr / row_bytes / banks);
         // SD-3: when the row is open for commands.
         let mut ready = comes.max(self.may_move);
         let bank = self.banks[number];
