@@ -29,7 +29,7 @@ fn sums(text: &str) -> Vec<Option<u64>> {
 
 /// The answers to the runs of a session.
 fn runs(session: &Session, oracle: Oracle) -> Vec<Answer> {
-    let make = |kind: &dyn Kind, config: &str| kind.oracle(oracle, config);
+    let make = move |kind: &dyn Kind, config: &str| kind.oracle(oracle, config);
     let mut answers = Vec::new();
     serve(&make, &*session.text(), &mut answers).expect("memory can be written");
     let lines = answers.split(|&byte| byte == b'\n').filter(|line| line.starts_with(b"c "));
