@@ -30,10 +30,14 @@ const LEAVES: (usize, u32) = (4, 48);
 /// Pixels a row and rows of the packets: as few as give more packets, after those of the earlier picture, than the small
 /// chip has threads.
 const PACKETS: (u32, u32) = (32, 24);
-/// The standard chip, without the place of the triangles, and what others have in its place: a small one, whose memory of
-/// 32 KB and whose metadata cache evict, and one without virtual memory.
-const CHIP: &str = "pipelines=4 threads=16 version=a lines=65536 meta-sets=1024";
-const OTHER_CHIPS: [&str; 2] = ["pipelines=2 threads=2 version=b lines=256 meta-sets=4", "version=none"];
+/// The standard chip, without the place of the triangles, and what others have in its place: a small one, whose
+/// first-level caches, memory of 32 KB and metadata cache evict, and one without virtual memory.
+const CHIP: &str = "pipelines=4 threads=16 s-sets=256 n-sets=2048 l-sets=4096 t-sets=1024 \
+    version=a lines=65536 meta-sets=1024";
+const OTHER_CHIPS: [&str; 2] = [
+    "pipelines=2 threads=2 s-sets=4 n-sets=64 l-sets=64 t-sets=16 version=b lines=256 meta-sets=4",
+    "version=none",
+];
 
 /// Notes the triangles that are read.
 #[derive(Default)]
