@@ -7,11 +7,12 @@ use saarcor_kit::error::Error;
 use saarcor_kit::implementation::Implementation;
 use saarcor_kit::kind::{Kind, Oracle};
 use saarcor_kit::level::Level;
-use saarcor_kit::plan::{Options, default_suite};
+use saarcor_kit::plan::{Options, default_suite, sessions_named};
 use saarcor_kit::report::{ConformanceReport, ConformanceVerdict};
 use saarcor_kit::run::run;
 use saarcor_kit::server::serve;
 use saarcor_kit::session::Session;
+use saarcor_kit::sizes::Extent;
 
 /// The sums of a suite's comments, `# 17 cycles: ..`, by the runs that they stand before.
 fn sums(text: &str) -> Vec<Option<u64>> {
@@ -110,6 +111,9 @@ fn timing_is_right_within_the_stated_tolerance() {
 #[test]
 fn recorded_frame_has_long_packets_and_evicts() {
     let sessions = Chip.recorded(usize::MAX);
+    // Its name stands for all of them.
+    let extent = Extent { seed: 0, requests: 0 };
+    assert_eq!(sessions_named("chip/frame/pquake3-nt-150", &extent).expect("a frame").1, sessions);
     let [large, small, none] = &sessions[..] else { panic!("{} sessions", sessions.len()) };
     for session in &sessions {
         Chip.check(session).expect("legal");
