@@ -71,7 +71,7 @@ pub trait Kind: Sync {
         Vec::new()
     }
 
-    /// Sessions of recorded frames, each of at most so many of its reads; none where there are no traces.
+    /// Sessions of recorded frames, each of at most so many of its reads or rays, or operations of each packet.
     fn recorded(&self, _requests: usize) -> Vec<Session> {
         Vec::new()
     }

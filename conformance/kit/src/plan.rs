@@ -147,9 +147,11 @@ pub fn sessions_named(name: &str, extent: &Extent) -> Result<(&'static dyn Kind,
             if let Some(sized) = kind.sizes(extent).into_iter().find(|sized| sized.name == name) {
                 return Ok((*kind, vec![sized.session()]));
             }
-            if let Some(session) = kind.recorded(usize::MAX).into_iter().find(|session| session.name == name)
-            {
-                return Ok((*kind, vec![session]));
+            let of_frame =
+                |session: &Session| session.name == name || session.name.starts_with(&format!("{name}@"));
+            let recorded: Vec<_> = kind.recorded(usize::MAX).into_iter().filter(of_frame).collect();
+            if !recorded.is_empty() {
+                return Ok((*kind, recorded));
             }
         }
     }

@@ -3,6 +3,8 @@
 //! They stand in an order in which what comes later builds on what came before: the first that fails
 //! names the cause.
 
+use crate::session::Session;
+
 /// A suite file of `conformance/suites`.
 macro_rules! suites {
     ($($name:literal),* $(,)?) => {
@@ -12,6 +14,15 @@ macro_rules! suites {
 
 /// Rays of recorded frames, as sessions of `saarcor-kd`.
 pub const KD_FRAMES: &[(&str, &str)] = suites!["kd/frame/pquake3-nt-150"];
+
+/// Packets of recorded frames, as sessions of `saarcor-chip`.
+pub const CHIP_FRAMES: &[(&str, &str)] = suites!["chip/frame/pquake3-nt-150"];
+
+/// The sessions of recorded frames.
+pub(crate) fn of_frames(frames: &[(&str, &str)]) -> impl Iterator<Item = Session> {
+    let parsed = |(name, text): &(&str, &str)| Session::parse(name, text).expect("a suite of the kit");
+    frames.iter().flat_map(parsed)
+}
 
 /// Suites of `saarcor-vm`.
 pub const VM: &[(&str, &str)] = suites![
@@ -304,7 +315,7 @@ pub const CHIP: &[(&str, &str)] = suites![
 
 #[cfg(test)]
 mod tests {
-    use super::KD_FRAMES;
+    use super::{CHIP_FRAMES, KD_FRAMES};
     use crate::kinds::KINDS;
     use crate::session::Session;
     use std::collections::BTreeSet;
@@ -312,7 +323,8 @@ mod tests {
 
     #[test]
     fn every_suite_is_listed_and_legal() {
-        let mut listed: BTreeSet<_> = KD_FRAMES.iter().map(|(name, _)| format!("{name}.txt")).collect();
+        let mut listed: BTreeSet<_> =
+            KD_FRAMES.iter().chain(CHIP_FRAMES).map(|(name, _)| format!("{name}.txt")).collect();
         for kind in KINDS {
             for (name, text) in kind.suites() {
                 for session in Session::parse(name, text).expect("a suite") {

@@ -64,6 +64,27 @@ impl Kind for Chip {
         sizes::sessions(extent)
     }
 
+    /// At most so many operations of each packet: fewer packets would not meet.
+    fn recorded(&self, requests: usize) -> Vec<Session> {
+        let cut = |session: Session| {
+            let mut longest = 0;
+            let shorter = |line| {
+                let request = Request::parse(line).expect("a request of the kit");
+                let operations = request.operations();
+                let first = &operations[..operations.len().min(requests)];
+                longest = longest.max(first.len());
+                request.with(first.to_vec()).text()
+            };
+            let lines: Vec<_> = session.requests().map(shorter).collect();
+            let mut cut = session.with_requests(lines.iter().map(Vec::as_slice));
+            cut.idea = format!(
+                "Up to {longest} operations of each packet of a recorded frame, with caches cold and then warm."
+            );
+            cut
+        };
+        suites::of_frames(suites::CHIP_FRAMES).map(cut).collect()
+    }
+
     fn with_tolerance(&self, session: Session, tolerance: u32) -> Session {
         session.with_config(&config::with_tolerance(session.config(), tolerance))
     }

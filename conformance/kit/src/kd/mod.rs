@@ -80,7 +80,6 @@ impl Kind for Kd {
     }
 
     fn recorded(&self, requests: usize) -> Vec<Session> {
-        let parsed = |(name, text): &(&str, &str)| Session::parse(name, text).expect("a suite of the kit");
         let cut = |session: Session| {
             let others = session.requests().take_while(|request| !is_ray(request)).count();
             let mut cut = session.with_those(|place| place < others.saturating_add(requests));
@@ -90,7 +89,7 @@ impl Kind for Kd {
             );
             cut
         };
-        suites::KD_FRAMES.iter().flat_map(parsed).map(cut).collect()
+        suites::of_frames(suites::KD_FRAMES).map(cut).collect()
     }
 
     /// Checks that each ray has a legal scene.
