@@ -212,6 +212,9 @@ fn rd_and_wr_cut_no_burst() {
         "0,ACT,0,5,, 2,ACT,1,5,, 5,WR,0,,0,2 7,RD,1,,0,1",
         "0,ACT,0,5,, 2,ACT,1,5,, 5,WR,0,,0,2 6,RD,1,,0,1",
     );
+    // Chips in which bursts move all their beats cut none.
+    let uncut = Timing { burst_cut: 0, ..PC133 };
+    assert_eq!(rules(uncut, "0,ACT,0,5,, 3,WR,0,,0,2 4,RD,0,,0,1"), []);
 }
 
 #[test]
@@ -548,6 +551,7 @@ fn any_timing() -> impl Strategy<Value = Timing> {
             t_wr,
             t_rfc,
             t_refi,
+            burst_cut: 1,
         },
     )
 }
