@@ -352,7 +352,8 @@ fn keeps_the_data_sheet(config: SdramConfig, commands: &[(u64, Command)]) {
 fn each_time_that_is_a_clock_too_short_is_found() {
     // Openings and closings of PC133 take as long as its cycle of rows, which then never decides.
     let right = SdramConfig { row_cycle: 10, ..SdramConfig::STANDARD };
-    let shortened: [(Rule, fn(&mut SdramConfig)); 9] = [
+    type Shorten = fn(&mut SdramConfig);
+    let shortened: [(Rule, Shorten); 9] = [
         (Rule::Cl, |config| config.cas -= 1),
         (Rule::Trcd, |config| config.ras_to_cas -= 1),
         (Rule::Trp, |config| config.precharge -= 1),
