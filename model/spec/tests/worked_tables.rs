@@ -100,8 +100,11 @@ fn commands_of_the_memory() {
         (1, 16 << 10, 8, Direction::Read),
         (1, (12 << 10) - 64, 128, Direction::Write),
         (157, 0, 8, Direction::Read),
+        (221, 0, 16, Direction::Write),
+        (221, 16 << 10, 8, Direction::Read),
+        (221, 4 << 10, 8, Direction::Read),
     ];
-    for now in 0..=60 * 4 {
+    for now in 0..=125 * 4 {
         sdram.begin_cycle(now);
         for (_, addr, bytes, direction) in requests.iter().filter(|request| request.0 == now) {
             sdram.request(now, *addr, *bytes, *direction);
