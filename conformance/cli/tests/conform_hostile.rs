@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::saarcor;
+use common::saarcor_with_signals;
 use std::fs;
 use std::os::unix::process::ExitStatusExt as _;
 use std::path::Path;
@@ -36,7 +36,7 @@ impl Run {
         let dut = format!("kind = \"saarcor-vm\"\n{lines}");
         fs::write(folder.path().join("dut.toml"), dut).expect("written");
         let mark = folder.path().display().to_string();
-        let mut runner = saarcor(&["conform", "run", &mark, "--json"]);
+        let mut runner = saarcor_with_signals(&["conform", "run", &mark, "--json"]);
         runner.arg("--keep").arg(folder.path().join("kept")).env(MARK, &mark);
         runner.stdout(Stdio::piped()).stderr(Stdio::piped());
         Self { began: Instant::now(), child: runner.spawn().expect("it starts"), mark, _folder: folder }

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{RoomCopy, refusal, run, saarcor, stdout_of};
+use common::{RoomCopy, refusal, run, saarcor, saarcor_with_signals, stdout_of};
 use std::ffi::OsStr;
 use std::fs;
 use std::os::unix::ffi::OsStrExt as _;
@@ -169,7 +169,7 @@ fn signals_leave_nothing() {
         let folder = tempfile::tempdir().expect("a folder");
         let room = common::room_arg();
         let record = ["trace", "record", &room, "--frame", "0", "--format", "din", "-o", "t.din"];
-        let mut run = saarcor(&[&record[..], &["--resolution", "16384x16384"]].concat());
+        let mut run = saarcor_with_signals(&[&record[..], &["--resolution", "16384x16384"]].concat());
         let mut child = run.current_dir(folder.path()).spawn().expect("it starts");
         let began = Instant::now();
         let bytes = || {

@@ -13,6 +13,14 @@ pub fn saarcor(args: &[&str]) -> Command {
     command
 }
 
+/// [`saarcor`] where signals end it, also if the tests themselves run with signals ignored, as behind nohup.
+pub fn saarcor_with_signals(args: &[&str]) -> Command {
+    let mut command = Command::new("env");
+    command.args(["--default-signal=INT,TERM,HUP", env!("CARGO_BIN_EXE_saarcor")]);
+    command.args(args).arg("--quiet").env(FOLDER, "").stdin(Stdio::null());
+    command
+}
+
 /// What the binary did.
 pub fn run(args: &[&str]) -> Output {
     saarcor(args).output().expect("the binary starts")
