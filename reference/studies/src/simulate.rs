@@ -178,10 +178,8 @@ impl ChipObserver for Watch<'_, '_> {
     }
 }
 
-/// Head of a table of commands of the memory chips, in CSV.
-pub const COMMANDS_HEAD: &str = "clock,command,bank,row,column,beats";
-
-/// A line of such a table. Fields that a command does not have are empty.
+/// A command of the memory chips as a line of CSV, behind
+/// [`HEADER`](saarcor_oracles::memory_protocol::HEADER). Fields that it does not have are empty.
 #[must_use]
 pub fn command_line(clock: u64, command: Command) -> String {
     match command {

@@ -13,13 +13,12 @@ use saarcor_fast::chip::{simulate, simulate_observed};
 use saarcor_model::time::{ChipConfig, Programs, TimingReport, UNIT_NAMES, Version};
 use saarcor_model::vm::Bytes;
 use saarcor_oracles::card::CardShadow;
+use saarcor_oracles::memory_protocol::HEADER;
 use saarcor_paper::mb;
 use saarcor_studies::names::version_name;
 use saarcor_studies::sampling::plan::SampleFraction;
 use saarcor_studies::sampling::simulate::{SampledFrame, simulate_sample};
-use saarcor_studies::simulate::{
-    COMMANDS_HEAD, Recording, TimingRow, Watch, command_line, record, record_before,
-};
+use saarcor_studies::simulate::{Recording, TimingRow, Watch, command_line, record, record_before};
 use saarcor_studies::summary::Summary;
 use saarcor_studies::world::World;
 use serde::Serialize;
@@ -208,7 +207,7 @@ fn watched(
         return Ok(simulate_observed(before, programs, config, &mut Watch { shadow, commands: None })?);
     };
     file.write(|out| {
-        let mut written = writeln!(out, "{COMMANDS_HEAD}");
+        let mut written = writeln!(out, "{HEADER}");
         let mut write = |clock, command| {
             if written.is_ok() {
                 written = writeln!(out, "{}", command_line(clock, command));
