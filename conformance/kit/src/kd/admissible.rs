@@ -105,7 +105,9 @@ impl Walk<'_> {
     fn tests(&mut self, found: Option<PossibleHit>) {
         let Some(PossibleHit { t, hit, .. }) = found else { return };
         let [least, greatest] = &mut self.nearest;
-        *least = least.min(t.value - t.error);
+        // A bound without end leaves every distance open, whatever the value.
+        let from = t.value - t.error;
+        *least = least.min(if from.is_nan() { f64::NEG_INFINITY } else { from });
         if hit {
             *greatest = greatest.min(t.value + t.error);
         }
@@ -254,6 +256,33 @@ mod tests {
             }
         });
         assert!(judged > 1000, "{judged} walks");
+    }
+
+    /// The model's determinant is 0 in f32, so it has no distance and no hit; a test that rounds otherwise has both, and
+    /// its hit cuts off the child behind it.
+    #[test]
+    fn walk_by_a_hit_that_the_model_has_no_distance_of_is_right() {
+        let requests = [
+            "b c0800000 c0800000 c0800000 40400000 40800000 40800000",
+            "w 0 000040c00a000000",
+            "w 8 0000000007100000",
+            "w 10 0000004018000000",
+            "w 18 0100000003100000",
+            "w 20 0000000003100000",
+            "w 1000 00200000",
+            "w 2000 000040c0000000c00000803f0000803f00008040000000c00000004000000040000080bf",
+        ];
+        let mut model = KdOracle::new(Oracle::Model, "kernel=moller-trumbore").expect("a configuration");
+        for line in requests {
+            model.change(&Request::parse(line.as_bytes()).expect("a request"));
+        }
+        let line = b"c c0000000 3f800000 bf000000 3eaaaaab 0 0 0 7f800000";
+        let Ok(Request::Trace(Query::Closest, ray)) = Request::parse(line) else { panic!("a ray") };
+        let (scene, memory) = model.scene().expect("a scene");
+        let with_hit = [0, 0x10, 0x18, 0x1000, 0x2000];
+        assert_eq!(follow(memory, scene, &ray, &with_hit), Ok(()));
+        let without = [&with_hit[..], &[0x20]].concat();
+        assert_eq!(follow(memory, scene, &ray, &without), Ok(()));
     }
 
     /// Where something is certainly hit, a walk that no hit cuts off is wrong, but where a cell begins at the hit itself.

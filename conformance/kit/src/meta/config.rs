@@ -35,6 +35,22 @@ pub struct MetaConfig {
 }
 
 impl MetaConfig {
+    /// Granules of one set of lines that belong to one set of the metadata cache, at most.
+    #[must_use]
+    pub fn granules_together(&self) -> usize {
+        let set = self.cache.geometry.ways() as usize * ENTRY_BYTES;
+        // A set begins at multiples of the largest power of two that divides both.
+        let step = self.granule.min(1 << set.trailing_zeros());
+        (self.granule - step + set).div_ceil(self.granule).div_ceil(self.sets)
+    }
+
+    /// Whether the metadata cache holds all granules of a set at once: then none is evicted while the set is read, and what
+    /// was cached is what is decoded.
+    #[must_use]
+    pub fn holds_a_set(&self) -> bool {
+        self.granules_together() <= self.ways
+    }
+
     /// Bytes of all metadata.
     #[must_use]
     pub fn bytes(&self) -> u64 {
@@ -62,7 +78,16 @@ pub fn parse(text: &str) -> Result<MetaConfig, Error> {
         return Err(format!("meta-sets={sets}: it must be a power of two up to {MAX_META_SETS}").into());
     }
     let (granule, ways) = (one_of("granule", GRANULES)?, one_of("meta-ways", META_WAYS)?);
-    Ok(MetaConfig { cache, granule, sets, ways, faults: one_of("faults", &[0, 1])? == 1 })
+    let config = MetaConfig { cache, granule, sets, ways, faults: one_of("faults", &[0, 1])? == 1 };
+    if config.faults && !config.holds_a_set() {
+        let granules = config.granules_together();
+        return Err(format!(
+            "faults=1: {granules} granules of a set share a set of the metadata cache, so meta-ways must be at least that; \
+             it is {ways}"
+        )
+        .into());
+    }
+    Ok(config)
 }
 
 /// The configuration that [`parse`] reads back.
@@ -80,7 +105,7 @@ pub fn simpler(config: &MetaConfig) -> Vec<MetaConfig> {
     steps.extend(config::simpler(&config.cache).into_iter().map(|cache| MetaConfig { cache, ..*config }));
     steps.push(MetaConfig { sets: (config.sets / 2).max(1), ..*config });
     steps.push(MetaConfig { ways: (config.ways / 2).max(1), ..*config });
-    steps.retain(|simpler| simpler != config);
+    steps.retain(|simpler| simpler != config && (!simpler.faults || simpler.holds_a_set()));
     steps
 }
 
@@ -108,6 +133,7 @@ mod tests {
             ("faults=0", "", "faults is missing"),
             ("faults=0", "fault=0", "fault"),
             ("line=128", "line=x", "decimal"),
+            ("meta-sets=1024 meta-ways=4 faults=0", "meta-sets=1 meta-ways=1 faults=1", "at least"),
         ] {
             let error = parse(&STANDARD.replacen(from, to, 1)).expect_err("none").to_string();
             assert!(error.contains(says), "{from} -> {to}: {error}");

@@ -20,7 +20,7 @@ const CONFIGS: &[&str] = &[
     "line=128 lines=65536 ways=4 hash=add-upper policy=lru granule=16 meta-sets=1024 meta-ways=4 faults=0",
     "line=64 lines=16 ways=1 hash=add-upper policy=lru granule=16 meta-sets=1 meta-ways=1 faults=0",
     "line=128 lines=1024 ways=4 hash=add-upper policy=lru granule=16 meta-sets=8 meta-ways=4 faults=1",
-    "line=16 lines=32 ways=4 hash=low policy=plru granule=16 meta-sets=1 meta-ways=1 faults=1",
+    "line=16 lines=32 ways=4 hash=low policy=plru granule=16 meta-sets=2 meta-ways=1 faults=1",
     "line=16 lines=128 ways=2 hash=add-upper policy=lru granule=8 meta-sets=2 meta-ways=2 faults=0",
 ];
 
@@ -41,7 +41,8 @@ fn drawn(random: &mut Random) -> MetaConfig {
     let config = MetaConfig { cache, granule, sets: 1, ways, faults: random.percent(50) };
     let holds_all = config.bytes().div_ceil((granule * ways) as u64).next_power_of_two();
     let most = holds_all.min(MAX_META_SETS as u64).ilog2();
-    MetaConfig { sets: 1 << random.below(u64::from(most) + 1), ..config }
+    let config = MetaConfig { sets: 1 << random.below(u64::from(most) + 1), ..config };
+    MetaConfig { faults: config.faults && config.holds_a_set(), ..config }
 }
 
 /// Sets whose lines are used: over twice as many as the metadata cache has ways.
