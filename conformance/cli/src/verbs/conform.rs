@@ -106,7 +106,7 @@ struct RunArgs {
     /// Stops after N sessions that fail
     #[arg(long, value_name = "N", default_value_t = ERRORS as u32, value_parser = clap::value_parser!(u32).range(1..))]
     errors: u32,
-    /// First seed of the random sessions
+    /// First seed of the random sessions: the first takes this one, each other one the next
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     /// Leaves out the sessions about the sizes that people build
