@@ -19,22 +19,47 @@ fn sums_hold(report: &TimingReport, config: &ChipConfig) {
     assert_eq!(report.pci_bytes, report.l2.misses * config.cache.geometry.line().0);
 }
 
-fn any_operation() -> impl Strategy<Value = Operation> {
+/// Few places, so that packets meet at lines, and some far ones.
+fn near() -> impl Strategy<Value = u32> + Clone {
+    prop_oneof![4 => 0_u32..600, 1 => 0_u32..20_000]
+}
+
+/// Places on both sides of a power of two up to the end of the addresses too: numbers of lines differ in each of their
+/// bits, and what is counted in fewer bits begins anew.
+fn anywhere() -> impl Strategy<Value = u32> + Clone {
+    let far = (10_u32..=32, 0_u32..300).prop_map(|(bit, behind)| {
+        let border = 1_u64 << bit;
+        u32::try_from(border - 100 + u64::from(behind)).unwrap_or(u32::MAX - behind)
+    });
+    prop_oneof![2 => near(), 1 => far]
+}
+
+fn any_operation(addr: impl Strategy<Value = u32>) -> impl Strategy<Value = Operation> {
     let unit = prop::sample::select(Unit::ALL.to_vec());
-    // Few places, so that packets meet at lines, and some far ones.
-    let addr = prop_oneof![4 => 0_u32..600, 1 => 0_u32..20_000];
     (unit, addr, 0_u16..60, 0_u8..70).prop_map(|(unit, addr, bytes, rays)| {
+        // Nothing lies beyond the last address.
+        let bytes = u64::from(bytes).min((1 << 32) - u64::from(addr)) as u16;
         // Work on no bytes is for some rays.
         let rays = if bytes == 0 { rays.max(1) } else { rays };
         Operation { addr: HostAddr(addr), bytes, rays, unit }
     })
 }
 
-fn any_programs() -> impl Strategy<Value = Programs> {
-    let packet = prop::collection::vec(any_operation(), 0..12).prop_map(Program::from);
-    let triangles = prop::sample::select(vec![0, 20]);
-    (prop::collection::vec(packet, 0..12), triangles)
-        .prop_map(|(packets, base)| Programs { packets, triangles: HostAddr(base) })
+/// Programs whose operations have these addresses; triangles begin at 0, at 20, or there too.
+fn any_programs(addr: impl Strategy<Value = u32> + Clone) -> impl Strategy<Value = Programs> {
+    let triangles = prop_oneof![Just(0), Just(20), addr.clone()].prop_map(HostAddr);
+    let packet = prop::collection::vec(any_operation(addr), 0..12);
+    (prop::collection::vec(packet, 0..12), triangles).prop_map(|(mut packets, triangles)| {
+        for operation in packets.iter_mut().flatten() {
+            if operation.unit == Unit::Intersection && operation.addr < triangles {
+                // Triangles lie there or behind.
+                operation.addr = triangles;
+                operation.bytes = operation.bytes.min(1);
+                operation.rays = operation.rays.max(1);
+            }
+        }
+        Programs { packets: packets.into_iter().map(Program::from).collect(), triangles }
+    })
 }
 
 /// Keeps a shadow of the card, and the commands of the memory chips.
@@ -137,8 +162,8 @@ proptest! {
     #[test]
     fn fast_chip_is_the_specifications(
         config in any_chip(),
-        programs in any_programs(),
-        before in prop::collection::vec(any_programs(), 0..2),
+        programs in any_programs(anywhere()),
+        before in prop::collection::vec(any_programs(anywhere()), 0..2),
     ) {
         let fast = saarcor_fast::chip::simulate(&before, &programs, &config).expect("a chip");
         prop_assert_eq!(&fast, &saarcor_model::time::simulate(&before, &programs, &config).expect("a chip"));
@@ -151,8 +176,8 @@ proptest! {
     #[test]
     fn parts_have_the_bytes_of_the_host(
         config in any_chip(),
-        programs in any_programs(),
-        before in prop::collection::vec(any_programs(), 0..2),
+        programs in any_programs(near()),
+        before in prop::collection::vec(any_programs(near()), 0..2),
     ) {
         let host: Vec<u8> = (0..20_000_u32).map(|addr| (addr ^ addr >> 7) as u8).collect();
         let mut fast = Watch { shadow: CardShadow::new(&host, &config), commands: Vec::new() };
@@ -178,6 +203,65 @@ proptest! {
         prop_assert_eq!(&fast.commands, &chip.sdram.commands);
         let report = chip.report();
         prop_assert_eq!((fast.shadow.parts, shadow.parts), (report.l2.accesses, report.l2.accesses));
+    }
+}
+
+/// Cards of 2 and 4 GiB: the metadata of the latter lie beyond the addresses of 32 bits.
+fn any_large_chip() -> impl Strategy<Value = ChipConfig> {
+    (any_chip(), 31_u32..=32, 12_u32..=13, 0_u32..=3).prop_map(|(chip, memory_bits, line_bits, way_bits)| {
+        let (memory, line) = (Bytes(1 << memory_bits), Bytes(1 << line_bits));
+        let geometry = Geometry::new(memory, line, 1 << way_bits).expect("legal");
+        ChipConfig {
+            cache: CacheConfig { geometry, ..chip.cache },
+            pci: PciConfig { beat_bytes: 64, cycles_a_beat: 1, ..chip.pci },
+            sdram: SdramConfig { beat_bytes: 16, cycles_a_clock: 1, ..chip.sdram },
+            ..chip
+        }
+    })
+}
+
+/// Virtual memories of one to eight lines behind a slow bus: lines are evicted in flight and asked for again.
+fn any_chip_that_evicts_in_flight() -> impl Strategy<Value = ChipConfig> {
+    let version = prop::sample::select(vec![Version::A, Version::B]);
+    (any_chip(), version, 0_u32..=1, 0_u32..=2, 0_u32..600).prop_map(
+        |(chip, version, way_bits, set_bits, setup)| {
+            let lines = 1 << (way_bits + set_bits);
+            let geometry = Geometry::new(Bytes(16 * lines), Bytes(16), 1 << way_bits).expect("legal");
+            ChipConfig {
+                pipelines: 3,
+                version,
+                cache: CacheConfig { geometry, ..chip.cache },
+                pci: PciConfig { setup, ..chip.pci },
+                ..chip
+            }
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn fast_chip_is_the_specifications_on_large_cards(
+        config in any_large_chip(),
+        programs in any_programs(anywhere()),
+    ) {
+        let fast = saarcor_fast::chip::simulate(&[], &programs, &config).expect("a chip");
+        prop_assert_eq!(fast, saarcor_model::time::simulate(&[], &programs, &config).expect("a chip"));
+    }
+
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn fast_chip_is_the_specifications_where_lines_are_evicted_in_flight(
+        config in any_chip_that_evicts_in_flight(),
+        programs in any_programs(0_u32..160),
+    ) {
+        let fast = saarcor_fast::chip::simulate(&[], &programs, &config).expect("a chip");
+        prop_assert_eq!(fast, saarcor_model::time::simulate(&[], &programs, &config).expect("a chip"));
     }
 }
 

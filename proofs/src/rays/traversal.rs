@@ -99,6 +99,25 @@ impl Observer for NodesRead {
     }
 }
 
+/// The nodes that a packet reads of a tree whose root, at 0, cuts the box in x at `split` into two empty leaves, that below at 8.
+fn nodes_read<const N: usize>(bounds: Aabb, split: f32, rays: [Option<Ray>; N]) -> Vec<u32> {
+    let leaf = NodeRecord::Leaf { list: HostAddr(64), count: 0 };
+    let root = NodeRecord::Inner { axis: Axis::X, split, below: HostAddr(8) };
+    let image: Vec<u8> = [root, leaf, leaf].into_iter().flat_map(NodeRecord::encode).collect();
+    let registers = Registers {
+        root: HostAddr(0),
+        bounds,
+        kernel: Kernel::MollerTrumbore,
+        triangles: HostAddr(64),
+        shading: HostAddr(64),
+        features: Features::default(),
+        lights: Vec::new(),
+    };
+    let mut memory = Observed { memory: WholeScene(&image), observer: NodesRead::default() };
+    Traversal::<N>::default().run(&mut memory, &registers, &Packet::new(rays), Query::Closest);
+    memory.observer.0
+}
+
 /// Any visit of a node's children.
 fn children(s: &mut impl Source) -> Children {
     match s.value("children (below, above, below first, above first)", 0..=3, &BYTES[..4]) {
@@ -409,27 +428,42 @@ theorems! {
             }
         }
         cover!(s, "nobody", decides.is_none());
-        let leaf = NodeRecord::Leaf { list: HostAddr(64), count: 0 };
-        let root = NodeRecord::Inner { axis: Axis::X, split: 1.0, below: HostAddr(8) };
-        let image: Vec<u8> = [root, leaf, leaf].into_iter().flat_map(NodeRecord::encode).collect();
         let bounds = Aabb { min: Vec3::ZERO, max: Vec3::new(2.0, 1.0, 1.0) };
-        let registers = Registers {
-            root: HostAddr(0),
-            bounds,
-            kernel: Kernel::MollerTrumbore,
-            triangles: HostAddr(64),
-            shading: HostAddr(64),
-            features: Features::default(),
-            lights: Vec::new(),
-        };
-        let mut memory = Observed { memory: WholeScene(&image), observer: NodesRead::default() };
-        Traversal::<4>::default().run(&mut memory, &registers, &Packet::new(rays), Query::Closest);
+        let read = nodes_read(bounds, 1.0, rays);
         let expected: &[u32] = match decides {
             None => &[],
             Some((_, false)) => &[0, 8, 16],
             Some((_, true)) => &[0, 16, 8],
         };
-        check_eq!(&memory.observer.0[..], expected, "nodes read for {rays:?}");
+        check_eq!(&read[..], expected, "nodes read for {rays:?}");
+    }
+
+    /// A ray whose distances along an axis have no bound goes to both children, and to the one below first: where the farther of
+    /// the two sides of the box, whichever it is, lies so far away that its distance overflows. Else it goes to the
+    /// other child only where it comes to the plane.
+    #["KD-3", not_for_kani "it is a whole walk, with distances in floating point", covers ["above alone", "below alone", "both", "bounded, to both", "bounded, to one"]]
+    fn ray_without_a_bound_goes_to_both_children(s) {
+        let low = s.value("exponent of the side below, and 20", 0..=147_u8, &[20, 47, 120, 147]);
+        let high = s.value("exponent of the side above, and 20", 0..=147_u8, &[20, 47, 120, 147]);
+        let (low, high) = (i32::from(low) - 20, i32::from(high) - 20);
+        let slow = i32::from(s.value("exponent of the reciprocal", 0..=126_u8, &[0, 1, 27, 28, 40, 100, 126]));
+        let power = |exponent: i32| 2.0_f32.powi(exponent);
+        // From within the box, towards the plane in the middle of its upper part.
+        let direction = Vec3::new(power(-slow), 0.0, 1.0);
+        let ray = Ray { origin: Vec3::ZERO, direction, t_min: 0.0, t_max: 0.5 };
+        let bounds = Aabb { min: Vec3::new(-power(low), -1.0, -1.0), max: Vec3::new(power(high), 1.0, 1.0) };
+        let read = nodes_read(bounds, power(high - 1), [Some(ray)]);
+        let has_bound = |side: i32| side + slow < 128;
+        let (below, above) = (has_bound(low), has_bound(high));
+        let comes_to_the_plane = high - 1 + slow < 0;
+        cover!(s, "above alone", below && !above);
+        cover!(s, "below alone", !below && above && !comes_to_the_plane);
+        cover!(s, "both", !below && !above);
+        cover!(s, "bounded, to both", below && above && comes_to_the_plane);
+        cover!(s, "bounded, to one", below && above && !comes_to_the_plane);
+        let to_both = !(below && above) || comes_to_the_plane;
+        let expected: &[u32] = if to_both { &[0, 8, 16] } else { &[0, 8] };
+        check_eq!(&read[..], expected, "nodes read for {ray:?} in {bounds:?}");
     }
 
     /// A ray in the split plane, whose distance to it is NaN, keeps its whole interval in both
