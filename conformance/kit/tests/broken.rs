@@ -30,8 +30,9 @@ fn planted(fault: &Fault) -> (tempfile::TempDir, Target) {
     for (name, text) in template.with_fault(fault).expect("its line") {
         std::fs::write(folder.path().join(name), text).expect("written");
     }
-    let target =
-        Target::open(folder.path().to_str().expect("text"), &TargetOptions::default()).expect("a folder");
+    // None of these faults hangs, and a machine that has much else to do ends no session by its time limit.
+    let options = TargetOptions { time_limit: Some(600.0), ..TargetOptions::default() };
+    let target = Target::open(folder.path().to_str().expect("text"), &options).expect("a folder");
     assert!(target.missing.is_empty(), "needs {:?}", target.missing);
     target.build().expect("it compiles");
     (folder, target)
