@@ -3,7 +3,9 @@
 use crate::limits::check_state;
 use crate::size::Size;
 use anyhow::{Context, Result};
-use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
+use clap::builder::{
+    MapValueParser, OsStringValueParser, PossibleValuesParser, TypedValueParser, ValueParserFactory,
+};
 use saarcor_kit::vm::config::{HASHES, POLICIES};
 use saarcor_model::host::Kernel;
 use saarcor_model::time::standard::{self as numbers, CHIP_CACHE_WAYS};
@@ -111,7 +113,30 @@ impl fmt::Display for Resolution {
 #[derive(Clone, Debug)]
 pub struct SceneName(OsString);
 
+impl ValueParserFactory for SceneName {
+    type Parser = MapValueParser<OsStringValueParser, fn(OsString) -> Self>;
+
+    fn value_parser() -> Self::Parser {
+        OsStringValueParser::new().map(Self)
+    }
+}
+
+impl From<&str> for SceneName {
+    fn from(name: &str) -> Self {
+        Self(name.into())
+    }
+}
+
 impl SceneName {
+    /// The scene as it is made ready unless something else is asked for.
+    #[must_use]
+    pub fn world(&self) -> WorldOptions {
+        WorldOptions {
+            file: self.0.to_str().is_none().then(|| PathBuf::from(&self.0)),
+            ..WorldOptions::new(&self.text())
+        }
+    }
+
     /// The name as text; what is none is replaced.
     #[must_use]
     pub fn text(&self) -> Cow<'_, str> {
@@ -129,7 +154,7 @@ impl fmt::Display for SceneName {
 #[derive(Clone, Debug, clap::Args)]
 pub struct SceneArgs {
     /// A built-in scene ('saarcor scenes' lists them) or the path of an OBJ file
-    #[arg(value_name = "SCENE", value_parser = OsStringValueParser::new().map(SceneName))]
+    #[arg(value_name = "SCENE")]
     pub scene: SceneName,
     /// Takes only the first N lights
     #[arg(long, value_name = "N")]
@@ -156,8 +181,6 @@ impl SceneArgs {
     #[must_use]
     pub fn options(&self, last_frame: Option<usize>) -> WorldOptions {
         WorldOptions {
-            scene: self.scene.to_string(),
-            file: self.scene.0.to_str().is_none().then(|| PathBuf::from(&self.scene.0)),
             lights: self.lights,
             no_textures: self.no_textures,
             strict: self.strict,
@@ -166,6 +189,7 @@ impl SceneArgs {
             kernel: self.kernel.unwrap_or_default(),
             last_frame,
             kept: KeptWorlds::of_user(),
+            ..self.scene.world()
         }
     }
 }

@@ -207,6 +207,21 @@ fn paths_need_not_be_text() {
     let output =
         run.arg(&dut).args(["--errors", "1"]).current_dir(room.file(".")).output().expect("it starts");
     assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
+
+    let suite = name(b"s\xff.txt");
+    fs::write(&suite, "#: P-6 protocol An end.\nsaarcor-hash 1\nconfig sets=2 hash=low\nend\n")
+        .expect("written");
+    let output = saarcor(&["conform", "generate"]).arg(&suite).output().expect("it starts");
+    assert!(output.stdout.starts_with(b"saarcor-hash 1\n"), "{}", String::from_utf8_lossy(&output.stderr));
+    let mut run = saarcor(&["conform", "run"]);
+    let output = run.arg(&dut).arg("--suite").arg(&suite).output().expect("it starts");
+    let says = String::from_utf8_lossy(&output.stderr);
+    assert!(says.contains("a suite of saarcor-hash"), "{says}");
+
+    let budget = ["--budget", "1000000", "--cases", "10", "--kernel", "moller-trumbore", "--format", "f32"];
+    let mut run = saarcor(&["accuracy"]);
+    let output = run.args(budget).arg("--scene").arg(&scene).output().expect("it starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
 #[test]

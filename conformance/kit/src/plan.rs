@@ -7,6 +7,7 @@ use crate::level::Level;
 use crate::session::Session;
 use crate::sizes::{Extent, SizedSession};
 use crate::waive::Waivers;
+use std::path::Path;
 
 /// Requests of all random sessions together (Assumed), where nothing is said.
 pub const RANDOM_REQUESTS: usize = 2_000_000;
@@ -155,7 +156,16 @@ pub fn sessions_named(name: &str, extent: &Extent) -> Result<(&'static dyn Kind,
             }
         }
     }
-    let text = std::fs::read(name).map_err(Error::system(format!(
+    sessions_of_file(Path::new(name))
+}
+
+/// The sessions of a suite file, whose path may be no text.
+///
+/// # Errors
+/// Where it cannot be read, or is no session.
+pub fn sessions_of_file(path: &Path) -> Result<(&'static dyn Kind, Vec<Session>), Error> {
+    let name = &*path.to_string_lossy();
+    let text = std::fs::read(path).map_err(Error::system(format!(
         "{name}: neither a suite ('saarcor conform list' shows all) nor a file that can be read"
     )))?;
     let text = String::from_utf8(text).map_err(|_| Error::from("no text").within(name))?;

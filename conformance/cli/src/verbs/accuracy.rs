@@ -1,7 +1,7 @@
 //! `saarcor accuracy`.
 
 use super::simulator::SimulatorArgs;
-use crate::args::choice;
+use crate::args::{SceneName, choice};
 use crate::front::{svg, table};
 use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
@@ -60,7 +60,7 @@ pub struct Args {
     replay: Option<PathBuf>,
     /// Instead of the suites, primary rays of this scene: what does it need?
     #[arg(long, value_name = "SCENE", requires = "budget", conflicts_with_all = ["suite", "out", "replay"])]
-    scene: Option<String>,
+    scene: Option<SceneName>,
     /// Error that is allowed on the scene's rays: wrong answers in a million, and ulps that 99.9 % of
     /// the distances may be off
     #[arg(long, value_name = "WRONG[,ULP]", requires = "scene")]
@@ -83,7 +83,7 @@ impl Args {
             return replay_file(file, &contestants);
         }
         let cases = if self.quick { QUICK } else { self.cases };
-        if let Some((scene, budget)) = self.scene.as_deref().zip(self.budget) {
+        if let Some((scene, budget)) = self.scene.as_ref().zip(self.budget) {
             return self.needs(scene, budget, &contestants, cases, progress);
         }
         let files = self.out.as_deref().map(Files::check).transpose()?;
@@ -129,13 +129,13 @@ impl Args {
     /// The cheapest contestant that stays inside the budget on a scene's rays.
     fn needs(
         &self,
-        scene: &str,
+        scene: &SceneName,
         budget: Budget,
         contestants: &[Contestant],
         rays: u64,
         progress: &Progress,
     ) -> Result<()> {
-        let options = WorldOptions { kernel: scene::KERNEL, ..WorldOptions::new(scene) };
+        let options = WorldOptions { kernel: scene::KERNEL, ..scene.world() };
         let world = World::open(&options, progress)?;
         let rows = progress.during(&format!("{scene}: {rays} rays"), |_| {
             let cases = scene::cases(&world, rays, self.seed)?;

@@ -21,6 +21,7 @@ use saarcor_kit::kinds::{KINDS, kind_named};
 use saarcor_kit::level::Level;
 use saarcor_kit::plan::{
     ERRORS, LONG_REQUESTS, Options, PlannedSession, RANDOM_REQUESTS, default_suite, sessions_named,
+    sessions_of_file,
 };
 use saarcor_kit::report::{ConformanceReport, ConformanceVerdict, Outcome, SCHEMA_VERSION};
 use saarcor_kit::requirements::{self, Covered};
@@ -37,7 +38,7 @@ use saarcor_studies::monitor::Monitor as _;
 use saarcor_studies::names::nearest;
 use serde::Serialize;
 use std::borrow::Cow;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -96,7 +97,7 @@ struct RunArgs {
     level: Option<Level>,
     /// Runs only this suite, random session or file; can be given several times
     #[arg(long, value_name = "SUITE")]
-    suite: Vec<String>,
+    suite: Vec<OsString>,
     /// Plays a trace of a frame, as 'trace record --format din' writes it; can be given several times
     #[arg(long, value_name = "FILE")]
     trace: Vec<PathBuf>,
@@ -366,7 +367,9 @@ impl RunArgs {
 }
 
 /// The sessions of a suite's name, which may be mistyped.
-fn named(name: &str, extent: &Extent) -> Result<(&'static dyn Kind, Vec<Session>)> {
+fn named(name: &OsStr, extent: &Extent) -> Result<(&'static dyn Kind, Vec<Session>)> {
+    // What is no text is the path of a file.
+    let Some(name) = name.to_str() else { return Ok(sessions_of_file(Path::new(name))?) };
     let hard = hard::named(name, extent.seed);
     if !hard.is_empty() {
         return Ok((&Kd, hard));
@@ -407,7 +410,7 @@ struct GenerateArgs {
 struct SuiteArgs {
     /// A suite or one of its sessions, a random session such as vm/random/17, or a file
     #[arg(value_name = "SUITE")]
-    suite: String,
+    suite: OsString,
     /// Requests of a random session [default: 10000], or of all random sessions of the run that has one about sizes
     /// [default: 2000000]
     #[arg(long, value_name = "N")]
@@ -420,7 +423,8 @@ struct SuiteArgs {
 impl SuiteArgs {
     /// The first session of that name: a conversation has one configuration.
     fn session(&self) -> Result<(&'static dyn Kind, Session)> {
-        let default = if self.suite.contains("/random/") { 10_000 } else { RANDOM_REQUESTS };
+        let is_random = self.suite.to_str().is_some_and(|suite| suite.contains("/random/"));
+        let default = if is_random { 10_000 } else { RANDOM_REQUESTS };
         let requests = self.requests.map_or(default, |requests| requests as usize);
         let (kind, sessions) = named(&self.suite, &Extent { seed: self.seed, requests })?;
         let session = sessions.into_iter().next().context("a suite has a session")?;

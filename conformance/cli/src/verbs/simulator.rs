@@ -1,6 +1,6 @@
 //! `saarcor accuracy --simulator`.
 
-use crate::args::Resolution;
+use crate::args::{Resolution, SceneName};
 use crate::output::{Stdout, json_line};
 use crate::progress::Progress;
 use crate::table::{Column, Table};
@@ -12,7 +12,7 @@ use saarcor_studies::sampling::simulate::SampledFrame;
 use saarcor_studies::standard;
 use saarcor_studies::trace::{PacketOrder, PacketSize, TraceOptions};
 use saarcor_studies::walk::WalkOptions;
-use saarcor_studies::world::{World, WorldOptions};
+use saarcor_studies::world::World;
 
 /// Scenes that are compared where none is named.
 const SCENES: [&str; 2] = ["conference", "pquake3"];
@@ -30,7 +30,7 @@ pub struct SimulatorArgs {
     pub simulator: bool,
     /// Scenes to walk through and to simulate, in version A; else two built-in ones
     #[arg(value_name = "SCENE", requires = "simulator")]
-    scenes: Vec<String>,
+    scenes: Vec<SceneName>,
     /// Frames of each scene that are compared, spread over its path
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..))]
     #[arg(requires = "simulator")]
@@ -54,12 +54,13 @@ impl SimulatorArgs {
         for part in parts {
             Plan::new(trace.tiles(), order, part, 0)?;
         }
-        let scenes: Vec<&str> = match self.scenes.is_empty() {
-            true => SCENES.into(),
-            false => self.scenes.iter().map(String::as_str).collect(),
+        let scenes = match self.scenes.is_empty() {
+            true => SCENES.map(SceneName::from).into(),
+            false => self.scenes.clone(),
         };
         for scene in scenes {
-            let world = World::open(&WorldOptions::new(scene), progress)?;
+            let world = World::open(&scene.world(), progress)?;
+            let scene = &*scene.text();
             let options = WalkOptions { cache: standard::cache(scene)?, cold: false, trace };
             let walk = progress.during(&format!("{scene}: walk"), |report| {
                 of_walk(&world, frames, &parts, &options, report)
