@@ -96,7 +96,16 @@ fn command(
         format!("ulimit -t {seconds}; ulimit -v {MEMORY_KIB} 2>/dev/null; ")
     });
     command.args(["-c", &format!("{bound}exec \"$0\" \"$@\""), "cargo"]);
-    command.args(["kani", "-p", "saarcor-proofs", "--exact", "--target-dir", TARGET]);
+    command.args([
+        "kani",
+        "-p",
+        "saarcor-proofs",
+        "--exact",
+        "--target-dir",
+        TARGET,
+        "-Z",
+        "unstable-options",
+    ]);
     for theorem in theorems {
         command.args(["--harness", &theorem.harness()]);
     }
@@ -154,7 +163,7 @@ fn run(theorems: &[&Theorem], root: &Path, limits: Limits, each: &mut dyn FnMut(
     let until = limits.seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds));
     let limit_reached = "not judged within the time for all theorems".to_owned();
     let no_answer = "Kani gave no answer; 'cargo kani -p saarcor-proofs' says why".to_owned();
-    // Compiled apart: the bound of time is each theorem's.
+    // Compiled apart, as the bounds of time and memory are each theorem's, and by the same options, or Kani compiles again.
     let compiled = command(theorems, root, limits, None, &["--only-codegen"]).spawn();
     let Ok(mut child) = compiled else { return no_answer };
     if !lines(&mut child, until, |_| {}) {
@@ -164,7 +173,7 @@ fn run(theorems: &[&Theorem], root: &Path, limits: Limits, each: &mut dyn FnMut(
         return no_answer;
     }
     let jobs = std::thread::available_parallelism().map_or(1, usize::from).to_string();
-    let rest = ["--jobs", &jobs, "--output-format", "terse", "--output-into-files", "-Z", "unstable-options"];
+    let rest = ["--jobs", &jobs, "--output-format", "terse", "--output-into-files"];
     let Ok(mut child) = command(theorems, root, limits, Some(limits.cpu_seconds), &rest).spawn() else {
         return no_answer;
     };
