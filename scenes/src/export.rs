@@ -98,6 +98,13 @@ impl<'a> Names<'a> {
     }
 }
 
+/// What the names of this process's temporary files and folders begin with: whoever has the process ended by a signal
+/// can remove them.
+#[must_use]
+pub fn temporary_prefix() -> String {
+    format!(".saarcor-{}-", std::process::id())
+}
+
 /// A folder beside the export, in which the files are completed before they are moved to their
 /// places. It is removed at the end.
 struct Staging<'a> {
@@ -112,12 +119,11 @@ impl<'a> Staging<'a> {
             Some(folder) if folder != Path::new("") => folder,
             _ => Path::new("."),
         };
-        // By this name the command line removes it where a signal ends the process.
-        let prefix = format!(".saarcor-{}-", std::process::id());
-        let staged = tempfile::Builder::new().prefix(&prefix).tempdir_in(folder).map_err(|error| {
-            let reason = format!("no file can be written to the folder ({})", error.kind());
-            SceneError::in_file(path, reason)
-        })?;
+        let staged =
+            tempfile::Builder::new().prefix(&temporary_prefix()).tempdir_in(folder).map_err(|error| {
+                let reason = format!("no file can be written to the folder ({})", error.kind());
+                SceneError::in_file(path, reason)
+            })?;
         Ok(Self { staged, folder })
     }
 

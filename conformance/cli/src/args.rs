@@ -1,6 +1,7 @@
 //! What arguments mean, and the groups of arguments that verbs share.
 
 use crate::limits::check_state;
+use crate::output::temporaries;
 use crate::size::Size;
 use anyhow::{Context, Result};
 use clap::builder::{
@@ -180,6 +181,9 @@ impl SceneArgs {
     /// What to make ready, with a path that has `last_frame`.
     #[must_use]
     pub fn options(&self, last_frame: Option<usize>) -> WorldOptions {
+        let kept = KeptWorlds::of_user();
+        // Where signals cannot be waited for, one may leave a file.
+        let _ = kept.as_ref().map(|kept| temporaries::watch(kept.folder()));
         WorldOptions {
             lights: self.lights,
             no_textures: self.no_textures,
@@ -188,7 +192,7 @@ impl SceneArgs {
             tree: BuildOptions { rule: self.tree, ..BuildOptions::default() },
             kernel: self.kernel.unwrap_or_default(),
             last_frame,
-            kept: KeptWorlds::of_user(),
+            kept,
             ..self.scene.world()
         }
     }

@@ -5,6 +5,7 @@
 mod common;
 
 use common::{RoomCopy, refusal, run, saarcor, saarcor_with_signals, stdout_of};
+use saarcor_oracles::embree::REQUIREMENTS;
 use std::ffi::OsStr;
 use std::fs;
 use std::os::unix::ffi::OsStrExt as _;
@@ -165,29 +166,58 @@ fn names_of_other_formats_are_refused() {
 
 #[test]
 fn signals_leave_nothing() {
-    for (signal, number) in [("INT", 2), ("TERM", 15), ("HUP", 1)] {
+    for (signal, number) in SIGNALS {
         let folder = tempfile::tempdir().expect("a folder");
         let room = common::room_arg();
         let record = ["trace", "record", &room, "--frame", "0", "--format", "din", "-o", "t.din"];
-        let mut run = saarcor_with_signals(&[&record[..], &["--resolution", "16384x16384"]].concat());
-        let mut child = run.current_dir(folder.path()).spawn().expect("it starts");
-        let began = Instant::now();
-        let bytes = || {
-            fs::read_dir(folder.path())
-                .expect("a folder")
-                .flatten()
-                .map(|entry| entry.metadata().map_or(0, |found| found.len()))
-                .sum::<u64>()
+        let run = saarcor_with_signals(&[&record[..], &["--resolution", "16384x16384"]].concat());
+        let bytes = |folder: &Path| {
+            let entries = fs::read_dir(folder).expect("a folder").flatten();
+            entries.map(|entry| entry.metadata().map_or(0, |found| found.len())).sum::<u64>()
         };
-        while bytes() < 100_000 {
-            assert!(began.elapsed() < Duration::from_secs(120), "nothing is written");
-            std::thread::sleep(Duration::from_millis(5));
-        }
-        let kill = Command::new("kill").args(["-s", signal, &child.id().to_string()]).status();
-        assert!(kill.expect("it starts").success());
-        assert_eq!(child.wait().expect("a child").signal(), Some(number));
-        assert_eq!(names(folder.path()), Vec::<String>::new(), "{signal}");
+        leaves_nothing(run, folder.path(), (signal, number), |folder| bytes(folder) >= 100_000);
     }
+}
+
+/// An environment whose Python never answers.
+#[test]
+fn signals_leave_no_questions_to_embree() {
+    let place = tempfile::tempdir().expect("a folder");
+    let python =
+        place.path().join(REQUIREMENTS.trim().replace("==", "-").replace('\n', "-")).join("bin/python");
+    fs::create_dir_all(python.parent().expect("a folder")).expect("made");
+    fs::write(&python, "#!/bin/sh\nexec sleep 3\n").expect("written");
+    fs::set_permissions(&python, fs::Permissions::from_mode(0o755)).expect("a program");
+    for signal in SIGNALS {
+        let folder = tempfile::tempdir().expect("a folder");
+        let room = common::room_arg();
+        let ask = ["crosscheck", &room, "--rays", "10", "--environment", text(place.path())];
+        let mut run = saarcor_with_signals(&ask);
+        run.env("TMPDIR", folder.path());
+        leaves_nothing(run, folder.path(), signal, |folder| !names(folder).is_empty());
+    }
+}
+
+const SIGNALS: [(&str, i32); 3] = [("INT", 2), ("TERM", 15), ("HUP", 1)];
+
+/// Ends a run in `folder` by a signal as soon as it has `begun`: nothing is left there.
+#[track_caller]
+fn leaves_nothing(
+    mut run: Command,
+    folder: &Path,
+    (signal, number): (&str, i32),
+    begun: impl Fn(&Path) -> bool,
+) {
+    let mut child = run.current_dir(folder).spawn().expect("it starts");
+    let began = Instant::now();
+    while !begun(folder) {
+        assert!(began.elapsed() < Duration::from_secs(120), "nothing is written");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let kill = Command::new("kill").args(["-s", signal, &child.id().to_string()]).status();
+    assert!(kill.expect("it starts").success());
+    assert_eq!(child.wait().expect("a child").signal(), Some(number));
+    assert_eq!(names(folder), Vec::<String>::new(), "{signal}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Temporary files and folders, none of which is left: neither at the end of this process, nor where a signal ends it.
 
 use crate::signals;
+use saarcor_scenes::temporary_prefix;
 use std::collections::BTreeSet;
 use std::fs;
 use std::io;
@@ -17,18 +18,12 @@ static FOLDERS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 /// Held for reading while a temporary file is made or gets its name, and for writing once this process is to end.
 static AT_WORK: RwLock<()> = RwLock::new(());
 
-/// What the names of this process's temporary files begin with.
-#[must_use]
-pub fn prefix() -> String {
-    format!(".saarcor-{}-", std::process::id())
-}
-
 /// Keeps a signal from ending this process until the guard is dropped; for good where one came before.
 pub fn lock() -> RwLockReadGuard<'static, ()> {
     AT_WORK.read().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Has what is in `folder` under a name with [`prefix`] removed where a signal ends this process.
+/// Has what is in `folder` under a name with [`temporary_prefix`] removed where a signal ends this process.
 ///
 /// # Errors
 /// If signals cannot be waited for.
@@ -50,7 +45,10 @@ pub fn file_in(folder: &Path) -> io::Result<Temporary> {
     use std::os::unix::fs::PermissionsExt as _;
     watch(folder)?;
     let _made = lock();
-    Builder::new().prefix(&prefix()).permissions(fs::Permissions::from_mode(0o666)).tempfile_in(folder)
+    Builder::new()
+        .prefix(&temporary_prefix())
+        .permissions(fs::Permissions::from_mode(0o666))
+        .tempfile_in(folder)
 }
 
 /// A temporary folder in a folder.
@@ -60,7 +58,7 @@ pub fn file_in(folder: &Path) -> io::Result<Temporary> {
 pub fn folder_in(folder: &Path) -> io::Result<TempDir> {
     watch(folder)?;
     let _made = lock();
-    Builder::new().prefix(&prefix()).tempdir_in(folder)
+    Builder::new().prefix(&temporary_prefix()).tempdir_in(folder)
 }
 
 fn remove_all() {
@@ -68,7 +66,7 @@ fn remove_all() {
     std::mem::forget(AT_WORK.write());
     let folders = FOLDERS.lock().unwrap_or_else(PoisonError::into_inner);
     for entry in folders.iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten().flatten() {
-        if entry.file_name().as_encoded_bytes().starts_with(prefix().as_bytes()) {
+        if entry.file_name().as_encoded_bytes().starts_with(temporary_prefix().as_bytes()) {
             let path = entry.path();
             // What cannot be removed stays.
             let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };

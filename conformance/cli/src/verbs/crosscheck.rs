@@ -1,7 +1,7 @@
 //! `saarcor crosscheck`.
 
 use crate::args::SceneArgs;
-use crate::output::{OutFile, Stdout, json_line};
+use crate::output::{OutFile, Stdout, json_line, temporaries};
 use crate::progress::Progress;
 use crate::status::Status;
 use crate::table::{Column, Table};
@@ -59,6 +59,9 @@ impl Args {
         // Errors of the scene come first, also where there is no Embree.
         let (world, scene) = World::open_with_scene(&options, progress)?;
         out.iter().try_for_each(|out| out.check_inputs(&world.files))?;
+        for folder in [&*std::env::temp_dir(), &self.environment] {
+            temporaries::watch(folder).context("signals cannot be waited for")?;
+        }
         let embree = open_embree(&self.environment, progress)?;
         let triangles: Vec<[Vec3; 3]> = scene.triangles.iter().map(|triangle| triangle.corners).collect();
         let asked = match &replayed {

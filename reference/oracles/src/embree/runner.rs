@@ -84,7 +84,8 @@ impl Embree {
     /// # Errors
     /// [`EmbreeError::Absent`] if it does not run.
     pub fn intersect(&self, triangles: &[[Vec3; 3]], rays: &[Ray]) -> Result<EmbreeAnswers, EmbreeError> {
-        let folder = tempfile::tempdir().map_err(EmbreeError::Folder)?;
+        let folder = tempfile::Builder::new().prefix(&temporary_prefix()).tempdir();
+        let folder = folder.map_err(EmbreeError::Folder)?;
         let file = |name: &str| folder.path().join(name);
         let script = file("intersect.py");
         let questions = [(TRIANGLES, encode_triangles(triangles)), (RAYS, encode_rays(rays))]
@@ -103,6 +104,12 @@ impl Embree {
         let [robust, fast] = FLAGS.map(answers);
         Ok(EmbreeAnswers { robust: robust?, fast: fast? })
     }
+}
+
+/// What the names of temporary folders begin with, those of the system and those beside the environment: by it the command line
+/// removes them where a signal ends the process.
+fn temporary_prefix() -> String {
+    format!(".saarcor-{}-", std::process::id())
 }
 
 /// The environment with the packages of [`REQUIREMENTS`].
@@ -132,7 +139,7 @@ fn make_aside(folder: &Path, environment: &Path) -> Result<(), EmbreeError> {
     let cannot =
         |error: io::Error| EmbreeError::Absent(format!("{}: cannot be written: {error}", folder.display()));
     fs::create_dir_all(folder).map_err(cannot)?;
-    let aside = tempfile::Builder::new().prefix(".making-").tempdir_in(folder).map_err(cannot)?;
+    let aside = tempfile::Builder::new().prefix(&temporary_prefix()).tempdir_in(folder).map_err(cannot)?;
     let requirements = aside.path().join("requirements.txt");
     fs::write(&requirements, REQUIREMENTS).map_err(cannot)?;
     let new = aside.path().join("environment");

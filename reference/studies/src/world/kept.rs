@@ -10,6 +10,7 @@ use super::{TreeFacts, World, WorldOptions, looks_like_a_path};
 use glam::Vec3;
 use rayon::prelude::*;
 use saarcor_model::host::{Camera, Features, HostImage, Light, Registers};
+use saarcor_scenes::temporary_prefix;
 use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader, ErrorKind, Write};
 use std::path::{Path, PathBuf, absolute};
@@ -39,6 +40,12 @@ impl KeptWorlds {
     #[must_use]
     pub fn new(folder: PathBuf) -> Self {
         Self { folder }
+    }
+
+    /// Their folder; what is written there has a name with [`temporary_prefix`] until it is whole.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        &self.folder
     }
 
     /// The user's: in the folder that [`FOLDER`] names, else in `saarcor` in the folder for what can be
@@ -113,7 +120,7 @@ impl KeptWorlds {
     fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         fs::create_dir_all(&self.folder)?;
         self.make_room()?;
-        let mut file = tempfile::NamedTempFile::new_in(&self.folder)?;
+        let mut file = tempfile::Builder::new().prefix(&temporary_prefix()).tempfile_in(&self.folder)?;
         file.write_all(bytes)?;
         file.persist(path)?;
         Ok(())
