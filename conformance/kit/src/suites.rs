@@ -95,6 +95,7 @@ pub const VM: &[(&str, &str)] = suites![
     "vm/range-brings-new-bytes",
     "vm/flush-brings-new-bytes",
     "vm/write-without-invalidation",
+    "vm/writes-within-a-line",
     "vm/last-byte-of-the-addresses",
 ];
 
@@ -147,6 +148,8 @@ pub const META: &[(&str, &str)] = suites![
     "meta/corrupt-set-is-written-whole",
     "meta/neighbour-of-a-corrupt-set",
     "meta/error-under-a-cached-granule",
+    "meta/error-in-any-way",
+    "meta/range-in-one-set",
 ];
 
 /// Suites of `saarcor-kd`.
@@ -193,6 +196,7 @@ pub const KD: &[(&str, &str)] = suites![
     "kd/at-the-very-plane",
     "kd/widened-by-the-bound",
     "kd/no-bound-both-children",
+    "kd/least-normal-reciprocal",
     "kd/hit-cuts-off",
     "kd/tested-in-each-cell",
     "kd/all-of-a-list",
@@ -203,6 +207,7 @@ pub const KD: &[(&str, &str)] = suites![
     "kd/exact-order",
     "kd/exact-edges",
     "kd/no-hole-between-triangles",
+    "kd/flush-clears-all",
 ];
 
 /// Suites of `saarcor-chip`.
