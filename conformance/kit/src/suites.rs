@@ -149,6 +149,7 @@ pub const META: &[(&str, &str)] = suites![
     "meta/neighbour-of-a-corrupt-set",
     "meta/error-under-a-cached-granule",
     "meta/error-in-any-way",
+    "meta/errors-in-neighbouring-bits",
     "meta/range-in-one-set",
 ];
 
@@ -208,6 +209,8 @@ pub const KD: &[(&str, &str)] = suites![
     "kd/exact-edges",
     "kd/no-hole-between-triangles",
     "kd/flush-clears-all",
+    "kd/bytes-below-powers-of-two",
+    "kd/second-box",
 ];
 
 /// Suites of `saarcor-chip`.
@@ -319,6 +322,8 @@ pub const CHIP: &[(&str, &str)] = suites![
     "chip/beats-that-hold-bytes",
     "chip/look-up-of-a-line-in-flight",
     "chip/tags-of-one-cycle",
+    "chip/order-of-many-ways-is-metadata",
+    "chip/ports-of-one-pipeline-of-many",
     "chip/rows-are-closed-ahead",
     "chip/row-cycle-before-a-refresh",
     "chip/refreshes-one-after-the-other",
