@@ -60,18 +60,26 @@ pub fn judge(
         done(evidence, theorem, &result);
         judged.push(result);
     };
-    let for_kani: Vec<_> =
-        theorems.iter().copied().filter(|theorem| theorem.not_for_kani.is_none()).collect();
-    let why = if for_kani.is_empty() {
-        String::new()
-    } else {
-        run(&for_kani, &root, limits, &mut |harness, answer| {
+    let until = limits.seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds));
+    let mut why = String::new();
+    // Kani may end before it has judged all: it begins again with those that are left, as long as it judges some.
+    loop {
+        let for_kani: Vec<_> =
+            left.iter().copied().filter(|theorem| theorem.not_for_kani.is_none()).collect();
+        if for_kani.is_empty() {
+            break;
+        }
+        let asked = left.len();
+        why = run(&for_kani, &root, limits, until, &mut |harness, answer| {
             if let Some(at) = left.iter().position(|theorem| theorem.harness() == harness) {
                 let theorem = left.remove(at);
                 keep(theorem, &|evidence| answer.judged(theorem, evidence.kani_scope(theorem)));
             }
-        })
-    };
+        });
+        if left.len() == asked {
+            break;
+        }
+    }
     for theorem in left {
         let (verdict, why) = match theorem.not_for_kani {
             Some(why) => (EngineVerdict::NotForKani, why),
@@ -156,11 +164,16 @@ fn lines(child: &mut Child, until: Option<Instant>, mut each: impl FnMut(&str)) 
 
 /// Starts `cargo kani` and hands on what it says of each harness; returns why it said nothing of those that
 /// are left.
-fn run(theorems: &[&Theorem], root: &Path, limits: Limits, each: &mut dyn FnMut(&str, &Answer)) -> String {
+fn run(
+    theorems: &[&Theorem],
+    root: &Path,
+    limits: Limits,
+    until: Option<Instant>,
+    each: &mut dyn FnMut(&str, &Answer),
+) -> String {
     if let Err(why) = version() {
         return why;
     }
-    let until = limits.seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds));
     let limit_reached = "not judged within the time for all theorems".to_owned();
     let no_answer = "Kani gave no answer; 'cargo kani -p saarcor-proofs' says why".to_owned();
     // Compiled apart, as the bounds of time and memory are each theorem's, and by the same options, or Kani compiles again.

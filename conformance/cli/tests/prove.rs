@@ -83,3 +83,41 @@ fn absent_kani_is_not_run_and_incomplete() {
     assert!(results[0]["scope"].as_str().expect("text").contains("Kani is absent"));
     assert_eq!(results[0]["cases"], Value::Null);
 }
+
+/// A Kani that compiles, judges the first theorem that it is asked for, and ends; beside it, the arguments that it had.
+#[cfg(unix)]
+const ENDS_EARLY: &str = r#"#!/bin/sh
+case "$*" in 'kani --version') echo 'cargo-kani 0.67.0'; exit ;; esac
+echo "$*" >> "$ASKED"
+case "$*" in *--only-codegen*) exit ;; esac
+while [ "$1" != --harness ]; do shift; done
+mkdir -p target/kani/result_output_dir
+printf ' - Status: SUCCESS\nVERIFICATION:- SUCCESSFUL\nVerification Time: 0.1s\n' > "target/kani/result_output_dir/$2"
+echo "Thread 0: Checking harness $2..."
+echo 'Thread 0: VERIFICATION:- SUCCESSFUL'
+"#;
+
+/// Kani begins again with what is left, and judges by the options by which it has compiled: else it compiles once more, within
+/// the bounds of a theorem.
+#[cfg(unix)]
+#[test]
+fn kani_that_ends_early_begins_again() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().expect("a folder");
+    let (cargo, asked) = (folder.path().join("cargo"), folder.path().join("asked"));
+    std::fs::write(&cargo, ENDS_EARLY).expect("written");
+    std::fs::set_permissions(&cargo, std::fs::Permissions::from_mode(0o755)).expect("a program");
+    let path = format!("{}:{}", folder.path().display(), std::env::var("PATH").expect("programs"));
+    let mut run = saarcor(&["prove", "geometry", "--engine", "kani", "--json"]);
+    let output = run.env("PATH", path).env("ASKED", &asked).output().expect("the binary starts");
+    let results = lines(&String::from_utf8(output.stdout).expect("text"));
+    let judged = |result: &&Value| result["verdict"] != "not for Kani";
+    assert!(results.iter().filter(judged).count() > 5, "{results:?}");
+    assert!(results.iter().all(|result| result["verdict"] != "not run"), "{results:?}");
+    let asked = std::fs::read_to_string(asked).expect("text");
+    let asked: Vec<_> = asked.lines().collect();
+    for pair in asked.chunks(2) {
+        let compiled = pair[0].strip_suffix(" --only-codegen").expect("compiled first");
+        assert!(pair[1].starts_with(compiled), "{pair:?}");
+    }
+}
