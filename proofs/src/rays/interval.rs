@@ -62,12 +62,18 @@ theorems! {
         cover!(s, "left as it is", t > leave);
         cover!(s, "the last lane", lane == 63);
         cover!(s, "the other ray is cut off", other < other_leave && t > leave);
+        // Any lane: all are judged by it.
+        let seen = s.value("lane that is looked at", 0..=63, &[0, 16, 63_u32]) as usize;
+        let mut found = (0.0, 0.0);
         for at in 0..RAYS {
-            let (enter, leave, t) = if at == lane { (enter, leave, t) } else { (0.5, other_leave, other) };
-            let ends = if t < leave { t } else { leave };
-            check_eq!(cell.enter[at].to_bits(), enter.to_bits(), "where lane {at} enters, beside {lane}");
-            check!(cell.leave[at] == ends, "lane {at} beside {lane}, up to {leave}, hit at {t}: up to {}", cell.leave[at]);
+            if at == seen {
+                found = (cell.enter[at], cell.leave[at]);
+            }
         }
+        let (enter, leave, t) = if seen == lane { (enter, leave, t) } else { (0.5, other_leave, other) };
+        let ends = if t < leave { t } else { leave };
+        check_eq!(found.0.to_bits(), enter.to_bits(), "where lane {seen} enters, beside {lane}");
+        check!(found.1 == ends, "lane {seen} beside {lane}, up to {leave}, hit at {t}: up to {}", found.1);
     }
 
     /// Of 64 rays those meet a cell whose interval is not empty, in whichever lanes they are: their number, the
