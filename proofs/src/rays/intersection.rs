@@ -3,6 +3,7 @@
 //!
 //! The judge is the exact test, `ExactHit`, which `tests/intersection.rs` holds to rational arithmetic.
 
+use super::LANES;
 use crate::draw::{self, WORDS};
 use crate::source::Source;
 use crate::{assume, check, check_eq, cover, theorems};
@@ -141,7 +142,7 @@ theorems! {
         let expected = if keeps { [t.to_bits(), found.u.to_bits(), found.v.to_bits(), addr] } else { was };
         check_eq!(bits(&hits, lane), expected, "lane {lane}, {found:?} at {addr:#x}, before at {before} at {addr_before:#x}, {t_min} .. {t_max}");
         // Any other lane: all are judged by it.
-        let seen = s.value("lane that is looked at", 0..=63, &[0, 5, 63_u32]) as usize;
+        let seen = s.value("lane that is looked at", 0..=63, &LANES) as usize;
         if seen != lane {
             check_eq!(bits(&hits, seen), [1.0_f32.to_bits(), 0, 0, 7], "lane {seen}, which has a nearer hit");
         }

@@ -1,5 +1,6 @@
 //! Theorems of the intervals of 64 rays, and of distances to planes (KD-3).
 
+use super::LANES;
 use crate::source::Source;
 use crate::{assume, check, check_eq, cover, theorems};
 use saarcor_model::rays::{Intervals, reciprocal, widen};
@@ -63,7 +64,7 @@ theorems! {
         cover!(s, "the last lane", lane == 63);
         cover!(s, "the other ray is cut off", other < other_leave && t > leave);
         // Any lane: all are judged by it.
-        let seen = s.value("lane that is looked at", 0..=63, &[0, 16, 63_u32]) as usize;
+        let seen = s.value("lane that is looked at", 0..=63, &LANES) as usize;
         let mut found = (0.0, 0.0);
         for at in 0..RAYS {
             if at == seen {

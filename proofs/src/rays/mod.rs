@@ -14,3 +14,14 @@ fn noise(number: u32) -> u32 {
     let mixed = (mixed ^ mixed >> 13).wrapping_mul(0xc2b2_ae35);
     mixed ^ mixed >> 16
 }
+
+/// All lanes of a packet of 64 rays.
+static LANES: [u32; 64] = {
+    let mut lanes = [0; 64];
+    let mut lane = 0;
+    while lane < lanes.len() {
+        lanes[lane] = lane as u32;
+        lane += 1;
+    }
+    lanes
+};
