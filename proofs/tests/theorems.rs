@@ -5,18 +5,18 @@ use saarcor_proofs::evidence::{Evidence, State};
 use saarcor_proofs::theorem::Theorem;
 use saarcor_proofs::theorems;
 use std::collections::BTreeSet;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::process::exit;
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{LazyLock, Mutex};
+use std::time::Duration;
 
-/// Whether a theorem did not hold, of any group, by any engine.
-static FAILED: AtomicBool = AtomicBool::new(false);
+static EVIDENCE: LazyLock<Mutex<Evidence>> =
+    LazyLock::new(|| Mutex::new(Evidence::read(&Evidence::workspace()).expect("the evidence")));
 
 /// The theorems of a group that are judged: all. Whoever plants faults may ask for less, and for the quick ones first: with
 /// `SAARCOR_THEOREM=NAME,NAME` for those, with `SAARCOR_STALE=1` for those that rest on what was changed since the engine
 /// has shown them.
 fn asked(group: &str, engine: &str) -> Vec<&'static Theorem> {
-    static EVIDENCE: LazyLock<Mutex<Evidence>> =
-        LazyLock::new(|| Mutex::new(Evidence::read(&Evidence::workspace()).expect("the evidence")));
     let mut asked: Vec<_> = theorems().filter(|theorem| group_of(theorem) == group).collect();
     if let Ok(names) = std::env::var("SAARCOR_THEOREM") {
         asked.retain(|theorem| names.split(',').any(|name| name == theorem.name));
@@ -35,18 +35,36 @@ fn all_hold(group: &str, name: &str, engine: impl Fn(&Theorem) -> Judgement) {
     let first_alone = std::env::var_os("SAARCOR_FIRST_FAILURE").is_some();
     let mut failed = Vec::new();
     for theorem in asked(group, name) {
-        if first_alone && FAILED.load(Ordering::Relaxed) {
-            break;
-        }
-        let judgement = engine(theorem);
+        let judgement = if first_alone { in_time(theorem, name, &engine) } else { engine(theorem) };
         let Judgement { cases, vacuous, .. } = judgement;
         println!("{cases:>10} cases, {vacuous:>9} vacuous  {}", theorem.name);
         if let Some(case) = judgement.counterexample {
             failed.push(format!("{} ({}): {}\n    {case}", theorem.name, theorem.requirement, theorem.says));
-            FAILED.store(true, Ordering::Relaxed);
+            if first_alone {
+                eprintln!("{}", failed[0]);
+                exit(1);
+            }
         }
     }
     assert!(failed.is_empty(), "{} theorems do not hold:\n{}", failed.len(), failed.join("\n"));
+}
+
+/// Ends the process where a theorem takes far longer than it did for the evidence: a loop that a fault keeps from
+/// its end would take all the time that there is.
+fn in_time(theorem: &Theorem, name: &str, engine: impl Fn(&Theorem) -> Judgement) -> Judgement {
+    let shown = EVIDENCE.lock().expect("the evidence").of(theorem, name).map_or(0.0, |shown| shown.seconds);
+    let limit = Duration::from_secs_f64(20.0 + 20.0 * shown);
+    let (done, ended) = mpsc::channel::<()>();
+    let said = format!("{}: {name} has no answer within {} s", theorem.name, limit.as_secs());
+    std::thread::spawn(move || {
+        if ended.recv_timeout(limit) == Err(RecvTimeoutError::Timeout) {
+            eprintln!("{said}");
+            exit(1);
+        }
+    });
+    let judgement = engine(theorem);
+    drop(done);
+    judgement
 }
 
 /// The folder of a theorem's file.
