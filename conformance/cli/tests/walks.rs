@@ -97,6 +97,25 @@ fn ranges_are_half_open() {
     assert_eq!(frames("1..2"), all[1..2]);
 }
 
+/// Hot spots, read from the rows alone: of frames 1 and 2, which follow others.
+#[test]
+fn hot_spots_are_the_last_line() {
+    let rows = walk(&[&TIGHT[..], &["--hot-spots", "2"]].concat());
+    let [first, second, third, last] = &rows[..] else { panic!("three frames and a line: {rows:?}") };
+    assert_eq!(last["cuts"], serde_json::json!([]));
+    let hotter = |field: &str| if number(third, field) > number(second, field) { 2 } else { 1 };
+    let largest = hotter("working_set_lines");
+    let spot = |frame: u64, most: &str| serde_json::json!({ "frame": frame, "most": most });
+    let mut spots = [spot(largest, "working_set"), spot(3 - largest, "collisions")];
+    spots.sort_by_key(|spot| spot["frame"].as_u64());
+    assert_eq!(last["hot_spots"], serde_json::json!(spots));
+    assert!(number(first, "collisions") > 0, "it has the most of an empty cache's, and is none");
+    assert_eq!(
+        walk(&[&TIGHT[..], &["--frames", "0..1", "--hot-spots", "9"]].concat())[1]["hot_spots"][0]["frame"],
+        0
+    );
+}
+
 #[test]
 fn results_do_not_depend_on_threads() {
     let scenes = [room_arg(), "pquake3".to_owned()];

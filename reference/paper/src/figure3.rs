@@ -1,6 +1,8 @@
 //! Figure 3 (§4): working set and transfers, frame by frame.
 
+use crate::table2::rows_of;
 use saarcor_studies::StudyError;
+use saarcor_studies::hot_spots::{HotFrame, cuts, hot_spots};
 use saarcor_studies::monitor::Monitor;
 use saarcor_studies::standard;
 use saarcor_studies::trace::TraceOptions;
@@ -21,6 +23,10 @@ pub struct Graph {
     pub step: usize,
     /// The frames that were walked through.
     pub frames: Vec<FrameRow>,
+    /// The hot spots among them, one for each of the paper's of this scene.
+    pub hot_spots: Vec<HotFrame>,
+    /// The frames of the path before which the camera cuts.
+    pub cuts: Vec<usize>,
 }
 
 impl Graph {
@@ -48,7 +54,15 @@ impl Graph {
                 report(frames.len() as f64 / length as f64);
             }
         });
-        Ok(Self { name: name.to_owned(), memory_bytes: cache.geometry.memory().0, path_frames, step, frames })
+        Ok(Self {
+            name: name.to_owned(),
+            memory_bytes: cache.geometry.memory().0,
+            path_frames,
+            step,
+            hot_spots: hot_spots(&frames, &world.path, rows_of(of).count()),
+            frames,
+            cuts: cuts(&world.path).into_iter().collect(),
+        })
     }
 
     /// The first frame that has the most of something.

@@ -18,11 +18,13 @@
 //! | [`table1`] | the scenes, ours beside the paper's |
 //! | [`figure3`] | working set and transfers, frame by frame |
 //! | [`table2`] | hot spots on the chip, ours beside the paper's |
+//! | [`fit`] | how far the relations of Table 2 lie from the paper's |
 //! | [`verdicts`] | the paper's claims, and whether they hold here |
 //! | [`reproduction`] | all of it in one run |
 
 mod error;
 pub mod figure3;
+pub mod fit;
 pub mod metadata;
 pub mod reproduction;
 pub mod table1;

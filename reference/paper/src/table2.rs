@@ -75,33 +75,26 @@ pub struct StandIn<'a> {
     pub of: &'a str,
 }
 
-/// Frames of our walk through Sodahall in the place of the paper's letters, by `walk`: where the
-/// working set is largest, where it is largest again at the walk's end, and where most is loaded.
-const SODAHALL: [(&str, usize); 3] = [("a", 142), ("b", 580), ("c", 89)];
-
-/// Number of the paper's frame in our path: a number is one; a letter is a frame of Sodahall's walk,
-/// or one of the stills that follow the one through the conference room.
-fn frame_number(paper: &Table2Row, path: usize) -> usize {
-    let hot_spot =
-        || SODAHALL.iter().find(|(letter, _)| (*letter, &*paper.scene) == (&paper.frame, "Sodahall"));
-    let still = || path - usize::from(b'c' - paper.frame.as_bytes()[0]);
-    paper.frame.parse().unwrap_or_else(|_| hot_spot().map_or_else(still, |&(_, frame)| frame))
+/// The rows of Table 2 that stand for a scene of the paper.
+pub fn rows_of(scene: &str) -> impl Iterator<Item = &'static Table2Row> {
+    tables::table2().iter().filter(move |row| row.scene == scene)
 }
 
 /// Simulates the rows of Table 2 in which a scene stands, and for some the variations of the
-/// virtual memory of which §3 speaks.
+/// virtual memory of which §3 speaks. `frames` are those of our path, one for a row, in the order of the rows; rows for
+/// which there is none are left out.
 ///
 /// # Errors
 /// If the standard sizes make no chip.
 pub fn hot_spots(
     stand: StandIn<'_>,
     world: &World,
+    frames: &[usize],
     trace: &TraceOptions,
     monitor: &dyn Monitor,
 ) -> Result<HotSpotRuns, StudyError> {
     let mut runs = HotSpotRuns::default();
-    for (place, paper) in tables::table2().iter().filter(|row| row.scene == stand.of).enumerate() {
-        let frame = frame_number(paper, world.path.len());
+    for (place, (paper, &frame)) in rows_of(stand.of).zip(frames).enumerate() {
         let what = format!("{} for {}, {}", stand.scene, stand.of, paper.frame);
         let order = PacketOrder::default();
         let (before, recording) = monitor.during(&format!("{what}: trace"), |_| {
@@ -228,17 +221,6 @@ impl Shape {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn letters_are_hot_spots_of_ours() {
-        let numbers = |scene: &str, path| -> Vec<usize> {
-            let rows = tables::table2().iter().filter(|row| row.scene == scene);
-            rows.map(|row| frame_number(row, path)).collect()
-        };
-        assert_eq!(numbers("Conference-8l", 402), [400, 401]);
-        assert_eq!(numbers("Sodahall", 600), [142, 580, 89]);
-        assert_eq!(numbers("pQuake3", 1200), [150, 556, 1046]);
-    }
 
     #[test]
     fn relations_of_the_paper_are_those_of_its_digits() {

@@ -31,6 +31,7 @@
 //! | [`summary`] | the features that a scene needs, and the bytes of its image |
 //! | [`picture`] | a frame through any memory |
 //! | [`walk`] | step one of §4: the traffic of a walk through a scene |
+//! | [`hot_spots`] | the frames of a walk that are simulated on the chip |
 //! | [`simulate`] | step two of §4: a frame on the chip, cycle by cycle |
 //! | [`sampling`] | both steps from a part of the packets, with intervals |
 //! | [`sweep`] | one frame on many chips |
@@ -46,6 +47,7 @@ pub mod accuracy;
 pub mod crosscheck;
 mod dispatch;
 pub mod error;
+pub mod hot_spots;
 pub mod metadata;
 pub mod monitor;
 pub mod names;

@@ -35,7 +35,7 @@ pub struct WalkOptions {
 }
 
 /// Traffic and working set of one frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FrameRow {
     /// Number of the frame in the path.
     pub frame: u64,

@@ -99,8 +99,8 @@ pub fn html(report: &Reproduction) -> String {
          it loads from the host; a collision is the load of a line that lay in the on-board memory earlier in \
          the same frame. The on-board memory stays warm from frame to frame.</p>\n\
          {graphs}{hot_spots}\
-         <h2>Chip</h2>\n<p>Step two of §4: the hot spots on the whole chip, cycle by cycle, after one frame that \
-         warms the caches. PCI is what a frame loads from the host, Mem what moves between the chip and the \
+         <h2>Chip</h2>\n<p>Step two of §4: the hot spots of the walks on the whole chip, cycle by cycle, after one frame \
+         that warms the caches; both in the order of their frames, and the same frames for all variants of a scene. PCI is what a frame loads from the host, Mem what moves between the chip and the \
          on-board memory.</p>\n{chip}\
          <h2>What the paper claims</h2>\n<dl>\n{verdicts}</dl>\n\
          <h2>What differs, and why</h2>\n<dl>\n{differences}</dl>\n</main>\n</body>\n</html>\n"
@@ -122,6 +122,7 @@ mod tests {
     use super::super::csv;
     use super::*;
     use saarcor_paper::figure3::Graph;
+    use saarcor_paper::fit::Fits;
     use saarcor_paper::metadata;
     use saarcor_paper::table1::SceneRow;
     use saarcor_paper::table2::{HotSpotRuns, StandIn, hot_spots};
@@ -138,14 +139,26 @@ mod tests {
         let resolution = (32, 24);
         let trace = TraceOptions { resolution, packet: PacketSize::Rays64, max_bounces: 1 };
         let stand_in = StandIn { scene: "room", real: false, of: "Conference" };
-        let runs = hot_spots(stand_in, &world, &trace, &Silent).expect("chips");
+        let runs = hot_spots(stand_in, &world, &[1, 2], &trace, &Silent).expect("chips");
         let HotSpotRuns { spots: table2, variations } = runs;
         let metadata = metadata::examples();
         let figure3 = vec![Graph::new("room", "Conference", &world, 2, &trace, &Silent).expect("a walk")];
         let verdicts = judge(&metadata, &figure3, &table2, &variations);
         let table1 = vec![SceneRow::new(&table1()[0], &world)];
         let extent = Extent::Quick;
-        Reproduction { extent, resolution, metadata, table1, figure3, table2, variations, verdicts }
+        let (cuts, fit) = (table2[..1].to_vec(), Fits::of(&table2));
+        Reproduction {
+            extent,
+            resolution,
+            metadata,
+            table1,
+            figure3,
+            table2,
+            cuts,
+            fit,
+            variations,
+            verdicts,
+        }
     }
 
     #[test]

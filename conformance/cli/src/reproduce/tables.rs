@@ -3,6 +3,7 @@
 use crate::metadata;
 use crate::table::{Column, Table};
 use saarcor_paper::figure3::Graph;
+use saarcor_paper::fit::{Fits, Relation};
 use saarcor_paper::reproduction::{Extent, Reproduction};
 use saarcor_paper::table1::SceneRow;
 use saarcor_paper::table2::{HotSpot, Shape, Variation};
@@ -15,17 +16,32 @@ type Captioned = Vec<(String, Table)>;
 
 /// The tables of the report by sections of the page: metadata, scenes, walks, chip.
 pub fn sections(report: &Reproduction) -> [Captioned; 4] {
-    let table2 = table2_tables(&report.table2).into_iter().chain([(
-        "Table 2's hot spots with other lines, fewer ways and without hash (version A)".to_owned(),
-        variation_table(&report.variations),
-    )]);
+    let with_cuts = (!report.cuts.is_empty()).then(|| {
+        let caption = "Frames after a cut of the camera in the place of hot spots: relations within the rows";
+        (caption.to_owned(), cut_table(&report.cuts))
+    });
+    let table2 = table2_tables(&report.table2)
+        .into_iter()
+        .chain([(
+            "How far the relations A / no VM, B / no VM and Mem B / A are off, by the geometric mean"
+                .to_owned(),
+            fit_table(&report.fit),
+        )])
+        .chain(with_cuts)
+        .chain([(
+            "Table 2's hot spots with other lines, fewer ways and without hash (version A)".to_owned(),
+            variation_table(&report.variations),
+        )]);
     [
         vec![("Metadata of 16 MB (§3)".to_owned(), metadata::table(&report.metadata))],
         vec![
             ("Table 1: the scenes, ours beside the paper's".to_owned(), table1_beside(&report.table1)),
             ("Bytes a triangle, ours by region of the image".to_owned(), bytes_a_triangle(&report.table1)),
         ],
-        vec![(format!("Figure 3: hot spots of the walks ({})", how(report)), extremes(&report.figure3))],
+        vec![(
+            format!("Figure 3: extremes and hot spots of the walks ({})", how(report)),
+            extremes(&report.figure3),
+        )],
         table2.collect(),
     ]
 }
@@ -86,7 +102,8 @@ fn extremes(graphs: &[Graph]) -> Table {
         "in frame",
         "transferred MB a frame",
     ];
-    let mut table = Table::new(std::iter::once(Column::text("scene")).chain(numbers.map(Column::number)));
+    let columns = std::iter::once(Column::text("scene")).chain(numbers.map(Column::number));
+    let mut table = Table::new(columns.chain(["hot spots", "cuts before"].map(Column::text)));
     for graph in graphs {
         let cells = |peak: Option<&FrameRow>, value: &dyn Fn(&FrameRow) -> String| match peak {
             Some(row) => [value(row), row.frame.to_string()],
@@ -98,7 +115,14 @@ fn extremes(graphs: &[Graph]) -> Table {
         let collisions = cells(graph.peak(|row| row.collisions), &|row| row.collisions.to_string());
         let first = [graph.name.clone(), mb(graph.memory_bytes), graph.frames.len().to_string()];
         let last = mb(all / graph.frames.len().max(1) as u64);
-        table.row(first.into_iter().chain(working_set).chain(loaded).chain(collisions).chain([last]));
+        let frames = |frames: &mut dyn Iterator<Item = usize>| {
+            let frames: Vec<_> = frames.map(|frame| frame.to_string()).collect();
+            if frames.is_empty() { "–".to_owned() } else { frames.join(", ") }
+        };
+        let hot_spots = frames(&mut graph.hot_spots.iter().map(|spot| spot.frame));
+        let cuts = frames(&mut graph.cuts.iter().copied());
+        let row = first.into_iter().chain(working_set).chain(loaded).chain(collisions);
+        table.row(row.chain([last, hot_spots, cuts]));
     }
     table
 }
@@ -175,6 +199,48 @@ fn shapes(spots: &[HotSpot]) -> Table {
             (ours.filled, paper.filled),
         ];
         table.row(name(spot).chain(pairs.into_iter().flat_map(|(ours, paper)| [ratio(ours), ratio(paper)])));
+    }
+    table
+}
+
+/// The relations of frames after a cut, and what a faster bus gains there.
+fn cut_table(spots: &[HotSpot]) -> Table {
+    let numbers = ["A / no VM", "paper", "B / no VM", "paper", "PCI MB", "paper", "gain of a faster bus"];
+    let mut table = Table::new(names().chain(numbers.map(Column::number)));
+    for spot in spots {
+        let (ours, paper) = (Shape::ours(spot), Shape::printed(&spot.paper));
+        let relations = [ours.speed_a, paper.speed_a, ours.speed_b, paper.speed_b].map(ratio);
+        let loaded =
+            [in_mb(spot.version_a.pci_bytes), spot.paper.version_a.pci_mb].map(|mb| format!("{mb:.2}"));
+        let gain = ratio(spot.version_a_fast_pci.fps / spot.version_a.fps);
+        table.row(name(spot).chain(relations).chain(loaded).chain([gain]));
+    }
+    table
+}
+
+/// The fit of the rows.
+fn fit_table(fits: &Fits) -> Table {
+    let numbers = ["rows", "numbers", "off by", "95 % over families", "95 % over rows", "within 10 %"];
+    let columns = std::iter::once(Column::text("scenes")).chain(numbers.map(Column::number));
+    let mut table = Table::new(columns.chain([Column::text("off the most")]));
+    let of = [("built-in", Some(&fits.built_in)), ("real", fits.real.as_ref()), ("all", Some(&fits.all))];
+    for (scenes, fit) in of {
+        let Some(fit) = fit else { continue };
+        let interval = |[low, high]: [f64; 2]| format!("{low:.1} to {high:.1} %");
+        let worst = fit.worst.as_ref().map_or_else(String::new, |worst| {
+            let Relation { scene, row, relation, ours, paper } = worst;
+            format!("{relation} of {scene} for {row}: {} (paper {})", ratio(*ours), ratio(*paper))
+        });
+        table.row([
+            scenes.to_owned(),
+            fit.rows.to_string(),
+            fit.numbers.to_string(),
+            format!("{:.1} %", fit.error_percent),
+            interval(fit.interval),
+            interval(fit.interval_by_rows),
+            fit.within_10_percent.to_string(),
+            worst,
+        ]);
     }
     table
 }

@@ -11,11 +11,12 @@ use crate::{sample, summary};
 use anyhow::Result;
 use saarcor_model::vm::{Bytes, Geometry};
 use saarcor_paper::mb;
+use saarcor_studies::hot_spots::{Extreme, HotFrame, cuts, hot_spots};
 use saarcor_studies::sampling::plan::SampleFraction;
 use saarcor_studies::sampling::walk::walk_sample;
 use saarcor_studies::summary::Summary;
 use saarcor_studies::walk::{FrameRow, Walk, WalkOptions, WalkTotals};
-use std::collections::BTreeSet;
+use serde::Serialize;
 use std::io::{IsTerminal, stdout};
 
 /// Step one of the paper's §4: rays, traffic and working set of each frame of a walk
@@ -35,6 +36,9 @@ pub struct Args {
     /// Empties the virtual memory before each frame
     #[arg(long)]
     cold: bool,
+    /// Finds so many hot spots, and cuts of the camera; with --json they are the last line [default: 3, without --json]
+    #[arg(long, value_name = "N", conflicts_with = "sample", value_parser = clap::value_parser!(u16).range(1..))]
+    hot_spots: Option<u16>,
     /// Works on a part of the packets in full, such as 1/8, and prints estimates with intervals of 95 %
     #[arg(long, value_name = "F")]
     sample: Option<SampleFraction>,
@@ -81,7 +85,7 @@ impl Args {
         if !self.json {
             out.line(header())?;
         }
-        let mut peaks = Peaks::default();
+        let mut rows = Vec::new();
         let mut walk = Walk::new(&world, frames, &options);
         bar.during("walk", |report| -> Result<()> {
             for (done, row) in walk.by_ref().enumerate() {
@@ -90,13 +94,22 @@ impl Args {
                 } else {
                     out.line(text(&row))?;
                 }
-                peaks.see(&row);
+                rows.push(row);
                 report((done + 1) as f64 / length as f64);
                 out.flush()?;
             }
             Ok(())
         })?;
-        peaks.say(cache.geometry, progress);
+        say_peaks(&rows, cache.geometry, progress);
+        let count = self.hot_spots.unwrap_or(3);
+        let found = HotSpots {
+            hot_spots: hot_spots(&rows, &world.path, count.into()),
+            cuts: cuts(&world.path).into_iter().collect(),
+        };
+        found.say(progress);
+        if self.json && self.hot_spots.is_some() {
+            json_line(&mut out, &found)?;
+        }
         say_speed(&walk.totals(), progress);
         out.finish()
     }
@@ -142,57 +155,52 @@ fn text(row: &FrameRow) -> String {
     ])
 }
 
-/// The extremes of a walk: the hot spots of §4.
-#[derive(Default)]
-struct Peaks {
-    working_set: Option<FrameRow>,
-    collisions: Option<FrameRow>,
-    loaded: Option<FrameRow>,
-    loaded_bytes: u64,
+/// Says the extremes of a walk.
+fn say_peaks(rows: &[FrameRow], geometry: Geometry, progress: &Progress) {
+    // The first of several.
+    let peak = |value: fn(&FrameRow) -> u64| rows.iter().rev().max_by_key(|row| value(row));
+    if let Some(row) = peak(|row| row.working_set_lines) {
+        let least = geometry.line().0 * u64::from(geometry.ways());
+        let memory = Size(Bytes(row.working_set_bytes.next_power_of_two().max(least)));
+        let (frame, peak) = (row.frame, mb(row.working_set_bytes));
+        progress.say(format_args!(
+            "largest working set: {peak} MB in frame {frame}; the least memory that holds it is {memory}"
+        ));
+    }
+    match peak(|row| row.collisions) {
+        Some(row) if row.collisions > 0 => {
+            progress.say(format_args!("most collisions: {} in frame {}", row.collisions, row.frame))
+        }
+        _ => progress.say("no collisions"),
+    }
+    if let Some(row) = peak(|row| row.loaded_bytes) {
+        progress.say(format_args!("most loaded: {} MB in frame {}", mb(row.loaded_bytes), row.frame));
+    }
+    let loaded = rows.iter().map(|row| row.loaded_bytes).sum();
+    progress.say(format_args!("loaded in all: {} MB", mb(loaded)));
 }
 
-impl Peaks {
-    fn see(&mut self, row: &FrameRow) {
-        let exceeds = |peak: &Option<FrameRow>, value: fn(&FrameRow) -> u64| {
-            peak.as_ref().is_none_or(|peak| value(row) > value(peak))
-        };
-        if exceeds(&self.working_set, |row| row.working_set_lines) {
-            self.working_set = Some(*row);
-        }
-        if exceeds(&self.collisions, |row| row.collisions) {
-            self.collisions = Some(*row);
-        }
-        if exceeds(&self.loaded, |row| row.loaded_bytes) {
-            self.loaded = Some(*row);
-        }
-        self.loaded_bytes += row.loaded_bytes;
-    }
+/// The hot spots of a walk, and the cuts of its path.
+#[derive(Serialize)]
+struct HotSpots {
+    hot_spots: Vec<HotFrame>,
+    cuts: Vec<usize>,
+}
 
-    fn say(&self, geometry: Geometry, progress: &Progress) {
-        if let Some(row) = &self.working_set {
-            let least = geometry.line().0 * u64::from(geometry.ways());
-            let memory = Size(Bytes(row.working_set_bytes.next_power_of_two().max(least)));
-            let (frame, peak) = (row.frame, mb(row.working_set_bytes));
-            progress.say(format_args!(
-                "largest working set: {peak} MB in frame {frame}; the least memory that holds it is {memory}"
-            ));
+impl HotSpots {
+    fn say(&self, progress: &Progress) {
+        let list = |frames: &mut dyn Iterator<Item = String>| frames.collect::<Vec<_>>().join(", ");
+        let most = |extreme| match extreme {
+            Extreme::WorkingSet => "working set",
+            Extreme::Collisions => "collisions",
+        };
+        let spots = self.hot_spots.iter().map(|spot| format!("{} ({})", spot.frame, most(spot.most)));
+        let spots = list(&mut spots.into_iter());
+        progress.say(format_args!("hot spots, to be run with 'saarcor simulate --frame': {spots}"));
+        if !self.cuts.is_empty() {
+            let cuts = list(&mut self.cuts.iter().map(usize::to_string));
+            progress.say(format_args!("the camera cuts before frame {cuts}: no hot spots"));
         }
-        match &self.collisions {
-            Some(row) if row.collisions > 0 => {
-                progress.say(format_args!("most collisions: {} in frame {}", row.collisions, row.frame))
-            }
-            _ => progress.say("no collisions"),
-        }
-        if let Some(row) = &self.loaded {
-            progress.say(format_args!("most loaded: {} MB in frame {}", mb(row.loaded_bytes), row.frame));
-        }
-        progress.say(format_args!("loaded in all: {} MB", mb(self.loaded_bytes)));
-        let collisions = self.collisions.filter(|row| row.collisions > 0);
-        let spots = [self.working_set, collisions, self.loaded].into_iter().flatten();
-        let spots: BTreeSet<_> = spots.map(|row| row.frame).collect();
-        let spots: Vec<_> = spots.iter().map(u64::to_string).collect();
-        progress
-            .say(format_args!("hot spots, to be run with 'saarcor simulate --frame': {}", spots.join(", ")));
     }
 }
 

@@ -1,0 +1,185 @@
+//! How far our rows of Table 2 lie from the paper's, in one number, and how sure that is.
+//!
+//! The error is exp(mean |ln(ours / paper)|) − 1 over three relations of each row: 10 % says that a relation is off by
+//! a tenth on the geometric mean, up or down. Absolute figures depend on the scene; these relations say what the virtual
+//! memory costs.
+
+use crate::table2::{HotSpot, Shape};
+use saarcor_random::Random;
+use saarcor_studies::standard::family;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Rows in which version A moves less than this are printed with one digit: their Mem B / A says nothing.
+const LEAST_MEM_MB: f64 = 0.6;
+/// Draws of the bootstrap, and its seed.
+const DRAWS: usize = 4000;
+const SEED: u64 = 2003;
+
+/// A relation within a row, ours and the paper's.
+#[derive(Clone, Debug, Serialize)]
+pub struct Relation {
+    /// Our scene.
+    pub scene: String,
+    /// The paper's scene and frame.
+    pub row: String,
+    /// Which relation.
+    pub relation: &'static str,
+    /// Ours.
+    pub ours: f64,
+    /// The paper's.
+    pub paper: f64,
+}
+
+impl Relation {
+    /// |ln(ours / paper)|.
+    fn off_by(&self) -> f64 {
+        (self.ours / self.paper).ln().abs()
+    }
+}
+
+/// How far some rows lie from the paper's.
+#[derive(Clone, Debug, Serialize)]
+pub struct Fit {
+    /// Rows.
+    pub rows: usize,
+    /// Relations of these rows.
+    pub numbers: usize,
+    /// The error in percent.
+    pub error_percent: f64,
+    /// Interval of 95 % of the error in percent: bootstrap over the families of scenes, as rows of a family depend on
+    /// each other. Of one family it is a point, and says nothing.
+    pub interval: [f64; 2],
+    /// The same over single rows: too narrow, for comparison.
+    pub interval_by_rows: [f64; 2],
+    /// Relations within 10 % of the paper's, up or down.
+    pub within_10_percent: usize,
+    /// The relation that is off the most.
+    pub worst: Option<Relation>,
+    /// The error of each relation in percent.
+    pub by_relation: BTreeMap<&'static str, f64>,
+}
+
+/// The fit of the built-in scenes, of the real ones, and of both.
+#[derive(Clone, Debug, Serialize)]
+pub struct Fits {
+    /// Of the built-in scenes.
+    pub built_in: Fit,
+    /// Of the real scenes, if there are any.
+    pub real: Option<Fit>,
+    /// Of both.
+    pub all: Fit,
+}
+
+impl Fits {
+    /// Those of these rows.
+    #[must_use]
+    pub fn of(spots: &[HotSpot]) -> Self {
+        let of = |which: fn(&HotSpot) -> bool| Fit::of(spots.iter().filter(|spot| which(spot)));
+        Self {
+            built_in: of(|spot| !spot.real),
+            real: spots.iter().any(|spot| spot.real).then(|| of(|spot| spot.real)),
+            all: of(|_| true),
+        }
+    }
+}
+
+impl Fit {
+    /// That of these rows.
+    #[must_use]
+    pub fn of<'a>(spots: impl Iterator<Item = &'a HotSpot>) -> Self {
+        let rows: Vec<(String, Vec<Relation>)> = spots
+            .map(|spot| (format!("{} {}", family(&spot.paper.scene), spot.real), relations(spot)))
+            .collect();
+        let off = |rows: &[&[Relation]]| -> Vec<f64> {
+            rows.iter().flat_map(|row| row.iter().map(Relation::off_by)).collect()
+        };
+        let by_row: Vec<Vec<&[Relation]>> = rows.iter().map(|(_, row)| vec![&row[..]]).collect();
+        let mut by_family: BTreeMap<&str, Vec<&[Relation]>> = BTreeMap::new();
+        rows.iter().for_each(|(family, row)| by_family.entry(family).or_default().push(row));
+        let interval = |groups: Vec<Vec<&[Relation]>>| {
+            let groups: Vec<Vec<f64>> = groups.iter().map(|rows| off(rows)).collect();
+            bootstrap(&groups)
+        };
+        let all: Vec<&Relation> = rows.iter().flat_map(|(_, row)| row).collect();
+        let mut by_relation: BTreeMap<&'static str, Vec<f64>> = BTreeMap::new();
+        all.iter().for_each(|one| by_relation.entry(one.relation).or_default().push(one.off_by()));
+        Self {
+            rows: rows.len(),
+            numbers: all.len(),
+            error_percent: percent(all.iter().map(|one| one.off_by())),
+            interval: interval(by_family.into_values().collect()),
+            interval_by_rows: interval(by_row),
+            within_10_percent: all.iter().filter(|one| one.off_by() <= 1.1_f64.ln()).count(),
+            worst: all.iter().max_by(|a, b| a.off_by().total_cmp(&b.off_by())).copied().cloned(),
+            by_relation: by_relation
+                .into_iter()
+                .map(|(name, off)| (name, percent(off.iter().copied())))
+                .collect(),
+        }
+    }
+}
+
+/// The relations of a row that count.
+fn relations(spot: &HotSpot) -> Vec<Relation> {
+    let (ours, paper) = (Shape::ours(spot), Shape::printed(&spot.paper));
+    let mut all =
+        vec![("A / no VM", ours.speed_a, paper.speed_a), ("B / no VM", ours.speed_b, paper.speed_b)];
+    if spot.paper.version_a.mem_mb >= LEAST_MEM_MB {
+        all.push(("Mem B / A", ours.memory_b, paper.memory_b));
+    }
+    let relation = |(relation, ours, paper)| Relation {
+        scene: spot.scene.clone(),
+        row: format!("{} {}", spot.paper.scene, spot.paper.frame),
+        relation,
+        ours,
+        paper,
+    };
+    all.into_iter().map(relation).collect()
+}
+
+/// exp(mean) − 1 in percent; of nothing 0.
+fn percent(off: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = off.fold((0.0, 0_usize), |(sum, count), one| (sum + one, count + 1));
+    ((sum / count.max(1) as f64).exp() - 1.0) * 100.0
+}
+
+/// The interval of 95 % of the error when groups are drawn with replacement, as many as there are (Efron 1979).
+fn bootstrap(groups: &[Vec<f64>]) -> [f64; 2] {
+    if groups.is_empty() {
+        return [0.0; 2];
+    }
+    let mut random = Random::new(SEED);
+    let mut errors: Vec<f64> = (0..DRAWS)
+        .map(|_| {
+            let drawn: Vec<&Vec<f64>> =
+                (0..groups.len()).map(|_| &groups[random.below(groups.len() as u64) as usize]).collect();
+            percent(drawn.into_iter().flatten().copied())
+        })
+        .collect();
+    errors.sort_unstable_by(f64::total_cmp);
+    [errors[DRAWS / 40], errors[DRAWS - 1 - DRAWS / 40]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn error_is_a_factor_up_or_down() {
+        let off = [1.1_f64.ln(), (1.0 / 1.1_f64).ln().abs(), 0.0, 0.0];
+        assert!((percent(off.into_iter()) - (1.1_f64.sqrt() - 1.0) * 100.0).abs() < 1e-9);
+        assert!(percent(std::iter::empty()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn interval_holds_the_error_and_narrows_with_more_groups() {
+        let group = |number: usize| vec![0.01 * (number % 5) as f64; 3];
+        let interval = |groups: usize| bootstrap(&(0..groups).map(group).collect::<Vec<_>>());
+        let ([few_low, few_high], [low, high]) = (interval(5), interval(50));
+        let error = (0.02_f64.exp() - 1.0) * 100.0;
+        assert!(few_low < low && low < error && error < high && high < few_high);
+        assert_eq!(interval(5), interval(5), "the same draws in each run");
+        assert_eq!(interval(1)[0], interval(1)[1]);
+    }
+}
