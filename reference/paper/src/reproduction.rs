@@ -6,7 +6,7 @@ use crate::figure3::Graph;
 use crate::fit::Fits;
 use crate::metadata;
 use crate::table1::SceneRow;
-use crate::table2::{self, HotSpot, HotSpotRuns, StandIn, Variation};
+use crate::table2::{self, HotSpot, HotSpotRuns, STANDARD, StandIn, Variation};
 use crate::tables::{self, Table1Row};
 use crate::verdicts::{ClaimVerdict, judge};
 use saarcor_studies::hot_spots::cuts;
@@ -206,10 +206,11 @@ impl Reproduction {
             }
             let stand_in = StandIn { scene: name, real: *real, of: &row.scene };
             let frames = frames_of.get(&section.family()).map_or(&[][..], Vec::as_slice);
-            runs.insert(place, table2::hot_spots(stand_in, &world, frames, &trace, monitor)?);
+            runs.insert(place, table2::hot_spots(stand_in, &world, frames, STANDARD, &trace, monitor)?);
             if section.is_first() {
                 let cuts: Vec<usize> = cuts(&world.path).into_iter().collect();
-                after_cuts.extend(table2::hot_spots(stand_in, &world, &cuts, &trace, monitor)?.spots);
+                after_cuts
+                    .extend(table2::hot_spots(stand_in, &world, &cuts, STANDARD, &trace, monitor)?.spots);
             }
             done += section.seconds(extent);
             report(done / all);

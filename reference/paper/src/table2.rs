@@ -30,6 +30,8 @@ pub struct HotSpot {
     pub paper: Table2Row,
     /// Without virtual memory.
     pub no_vm: TimingRow,
+    /// Without virtual memory, and with an on-board memory that is twice as fast in all that it does.
+    pub no_vm_fast_memory: TimingRow,
     /// With metadata on the chip.
     pub version_a: TimingRow,
     /// With metadata in the on-board memory.
@@ -54,6 +56,12 @@ pub struct Variation {
     /// Its time and traffic.
     pub run: TimingRow,
 }
+
+/// What differs from the standard chip in all runs.
+pub type Setting<'a> = &'a dyn Fn(ChipConfig) -> ChipConfig;
+
+/// The standard chip.
+pub const STANDARD: Setting<'static> = &|config| config;
 
 /// Hot spots, and some of them with other virtual memories.
 #[derive(Clone, Debug, Default)]
@@ -82,7 +90,7 @@ pub fn rows_of(scene: &str) -> impl Iterator<Item = &'static Table2Row> {
 
 /// Simulates the rows of Table 2 in which a scene stands, and for some the variations of the
 /// virtual memory of which §3 speaks. `frames` are those of our path, one for a row, in the order of the rows; rows for
-/// which there is none are left out.
+/// which there is none are left out. All chips have the `setting`.
 ///
 /// # Errors
 /// If the standard sizes make no chip.
@@ -90,6 +98,7 @@ pub fn hot_spots(
     stand: StandIn<'_>,
     world: &World,
     frames: &[usize],
+    setting: Setting<'_>,
     trace: &TraceOptions,
     monitor: &dyn Monitor,
 ) -> Result<HotSpotRuns, StudyError> {
@@ -102,9 +111,10 @@ pub fn hot_spots(
             (before, record(world, frame, trace, order))
         });
         let rays = recording.picture.rays.total();
-        let chip = |version| standard::chip(stand.of, version);
+        let chip = |version| standard::chip(stand.of, version).map(setting);
         let mut configs = vec![chip(Version::None)?, chip(Version::A)?, chip(Version::B)?];
         configs.push(ChipConfig { pci: PciConfig::BITS_64_AT_66_MHZ, ..chip(Version::A)? });
+        configs.push(with_fast_memory(chip(Version::None)?));
         // One scene of each kind that has reason to differ: with shadow rays, and with textures.
         let varied = if place == 0 && ["Conference", "pQuake3"].contains(&stand.of) {
             variations(&chip(Version::A)?)?
@@ -122,8 +132,13 @@ pub fn hot_spots(
                 .collect::<Result<Vec<TimingRow>, StudyError>>()
         })?;
         let mut played = played.into_iter();
-        let [Some(no_vm), Some(version_a), Some(version_b), Some(version_a_fast_pci)] =
-            std::array::from_fn(|_| played.next())
+        let [
+            Some(no_vm),
+            Some(version_a),
+            Some(version_b),
+            Some(version_a_fast_pci),
+            Some(no_vm_fast_memory),
+        ] = std::array::from_fn(|_| played.next())
         else {
             unreachable!("a run a chip")
         };
@@ -133,6 +148,7 @@ pub fn hot_spots(
             frame,
             paper: paper.clone(),
             no_vm,
+            no_vm_fast_memory,
             version_a,
             version_b,
             version_a_fast_pci,
@@ -150,6 +166,12 @@ pub fn hot_spots(
         }));
     }
     Ok(runs)
+}
+
+/// The chip with a memory whose clock is twice as fast.
+fn with_fast_memory(mut config: ChipConfig) -> ChipConfig {
+    config.sdram.cycles_a_clock /= 2;
+    config
 }
 
 /// Sizes of lines that are compared.

@@ -125,7 +125,7 @@ mod tests {
     use saarcor_paper::fit::Fits;
     use saarcor_paper::metadata;
     use saarcor_paper::table1::SceneRow;
-    use saarcor_paper::table2::{HotSpotRuns, StandIn, hot_spots};
+    use saarcor_paper::table2::{HotSpotRuns, STANDARD, StandIn, hot_spots};
     use saarcor_paper::tables::table1;
     use saarcor_paper::verdicts::judge;
     use saarcor_studies::monitor::Silent;
@@ -139,7 +139,7 @@ mod tests {
         let resolution = (32, 24);
         let trace = TraceOptions { resolution, packet: PacketSize::Rays64, max_bounces: 1 };
         let stand_in = StandIn { scene: "room", real: false, of: "Conference" };
-        let runs = hot_spots(stand_in, &world, &[1, 2], &trace, &Silent).expect("chips");
+        let runs = hot_spots(stand_in, &world, &[1, 2], STANDARD, &trace, &Silent).expect("chips");
         let HotSpotRuns { spots: table2, variations } = runs;
         let metadata = metadata::examples();
         let figure3 = vec![Graph::new("room", "Conference", &world, 2, &trace, &Silent).expect("a walk")];
