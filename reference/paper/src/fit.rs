@@ -5,8 +5,8 @@
 //! memory costs.
 
 use crate::table2::{HotSpot, Shape};
+use crate::verdicts::families;
 use saarcor_random::Random;
-use saarcor_studies::standard::family;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -88,33 +88,26 @@ impl Fit {
     /// That of these rows.
     #[must_use]
     pub fn of<'a>(spots: impl Iterator<Item = &'a HotSpot>) -> Self {
-        let rows: Vec<(String, Vec<Relation>)> = spots
-            .map(|spot| (format!("{} {}", family(&spot.paper.scene), spot.real), relations(spot)))
-            .collect();
-        let off = |rows: &[&[Relation]]| -> Vec<f64> {
-            rows.iter().flat_map(|row| row.iter().map(Relation::off_by)).collect()
+        let spots: Vec<&HotSpot> = spots.collect();
+        let all: Vec<Relation> = spots.iter().flat_map(|spot| relations(spot)).collect();
+        let off = |spots: &[&HotSpot]| -> Vec<f64> {
+            spots.iter().flat_map(|spot| relations(spot)).map(|relation| relation.off_by()).collect()
         };
-        let by_row: Vec<Vec<&[Relation]>> = rows.iter().map(|(_, row)| vec![&row[..]]).collect();
-        let mut by_family: BTreeMap<&str, Vec<&[Relation]>> = BTreeMap::new();
-        rows.iter().for_each(|(family, row)| by_family.entry(family).or_default().push(row));
-        let interval = |groups: Vec<Vec<&[Relation]>>| {
-            let groups: Vec<Vec<f64>> = groups.iter().map(|rows| off(rows)).collect();
-            bootstrap(&groups)
-        };
-        let all: Vec<&Relation> = rows.iter().flat_map(|(_, row)| row).collect();
+        let by_family: Vec<_> = families(spots.iter().copied()).values().map(|spots| off(spots)).collect();
+        let by_row: Vec<_> = spots.chunks(1).map(off).collect();
         let mut by_relation: BTreeMap<&'static str, Vec<f64>> = BTreeMap::new();
         all.iter().for_each(|one| by_relation.entry(one.relation).or_default().push(one.off_by()));
         Self {
-            rows: rows.len(),
+            rows: spots.len(),
             numbers: all.len(),
-            error_percent: percent(all.iter().map(|one| one.off_by())),
-            interval: interval(by_family.into_values().collect()),
-            interval_by_rows: interval(by_row),
+            error_percent: percent(all.iter().map(Relation::off_by)),
+            interval: bootstrap(&by_family),
+            interval_by_rows: bootstrap(&by_row),
             within_10_percent: all.iter().filter(|one| one.off_by() <= 1.1_f64.ln()).count(),
-            worst: all.iter().max_by(|a, b| a.off_by().total_cmp(&b.off_by())).copied().cloned(),
+            worst: all.iter().max_by(|a, b| a.off_by().total_cmp(&b.off_by())).cloned(),
             by_relation: by_relation
                 .into_iter()
-                .map(|(name, off)| (name, percent(off.iter().copied())))
+                .map(|(name, off)| (name, percent(off.into_iter())))
                 .collect(),
         }
     }

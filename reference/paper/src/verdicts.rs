@@ -89,7 +89,9 @@ impl fmt::Display for Range {
 }
 
 /// The paper's scenes of one family, or the real scenes that stand for them.
-fn families<'a>(spots: impl IntoIterator<Item = &'a HotSpot>) -> BTreeMap<String, Vec<&'a HotSpot>> {
+pub(crate) fn families<'a>(
+    spots: impl IntoIterator<Item = &'a HotSpot>,
+) -> BTreeMap<String, Vec<&'a HotSpot>> {
     let mut families: BTreeMap<String, Vec<&HotSpot>> = BTreeMap::new();
     for spot in spots {
         let name = family(&spot.paper.scene);

@@ -100,8 +100,8 @@ pub fn html(report: &Reproduction) -> String {
          the same frame. The on-board memory stays warm from frame to frame.</p>\n\
          {graphs}{hot_spots}\
          <h2>Chip</h2>\n<p>Step two of §4: the hot spots of the walks on the whole chip, cycle by cycle, after one frame \
-         that warms the caches; both in the order of their frames, and the same frames for all variants of a scene. PCI is what a frame loads from the host, Mem what moves between the chip and the \
-         on-board memory.</p>\n{chip}\
+         that warms the caches; both in the order of their frames, and the same frames for all variants of a scene. \
+         PCI is what a frame loads from the host, Mem what moves between the chip and the on-board memory.</p>\n{chip}\
          <h2>What the paper claims</h2>\n<dl>\n{verdicts}</dl>\n\
          <h2>What differs, and why</h2>\n<dl>\n{differences}</dl>\n</main>\n</body>\n</html>\n"
     )
