@@ -48,7 +48,7 @@ use How::{Elsewhere, Here, WithoutKani};
 const COMMANDS: &[(&str, How)] = &[
     (
         "cargo run --release -- reproduce --quick",
-        Elsewhere(".ci/run", "cargo run --release -- reproduce --quick"),
+        Elsewhere(".ci/run", "cargo run -- reproduce --quick"),
     ),
     ("cargo test --workspace", Elsewhere(".ci/run", "cargo test --workspace\n")),
     ("saarcor prove", Here("hash --cases 100", 0)),

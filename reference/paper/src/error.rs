@@ -1,6 +1,9 @@
 use saarcor_studies::StudyError;
 use std::path::PathBuf;
 
+/// A setting as it is written.
+const SETTING: &str = "\"granule=32 B,banks=8\"";
+
 /// Why a reproduction cannot be computed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -16,6 +19,12 @@ pub enum ReproductionError {
     /// The path of a scene is no Unicode text.
     #[error("{}: is no text", .0.display())]
     NotText(PathBuf),
+    /// A setting names what no Assumed number has.
+    #[error("{0}: name values of Assumed numbers, such as {example}", example = SETTING)]
+    NoSetting(String),
+    /// What was measured cannot be kept.
+    #[error("what was measured cannot be kept: {0}")]
+    Keep(#[from] std::io::Error),
     /// A study failed.
     #[error(transparent)]
     Study(#[from] StudyError),

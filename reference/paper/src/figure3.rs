@@ -1,11 +1,10 @@
 //! Figure 3 (§4): working set and transfers, frame by frame.
 
-use crate::table2::rows_of;
-use saarcor_studies::StudyError;
+use saarcor_model::time::PciConfig;
+use saarcor_model::time::standard::CORE_HZ;
+use saarcor_model::vm::{CacheConfig, Geometry};
 use saarcor_studies::hot_spots::{HotFrame, cuts, hot_spots};
 use saarcor_studies::monitor::Monitor;
-use saarcor_studies::standard;
-use saarcor_studies::trace::TraceOptions;
 use saarcor_studies::walk::{FrameRow, Walk, WalkOptions};
 use saarcor_studies::world::World;
 use serde::Serialize;
@@ -30,44 +29,98 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// Walks through each `step`th frame of the world's path, from frame 0 on, with the standard
-    /// virtual memory of the paper's scene `of`.
-    ///
-    /// # Errors
-    /// If the standard sizes do not make a cache.
+    /// Walks through each `step`th frame of the world's path, from frame 0 on, with this virtual memory, and finds
+    /// `hot_spots` hot spots.
+    #[must_use]
     pub fn new(
         name: &str,
-        of: &str,
         world: &World,
+        options: &WalkOptions,
         step: usize,
-        trace: &TraceOptions,
+        hot_spots: usize,
         monitor: &dyn Monitor,
-    ) -> Result<Self, StudyError> {
-        let cache = standard::cache(of)?;
+    ) -> Self {
+        Self::with_memories(name, world, options, &[], step, hot_spots, monitor).0
+    }
+
+    /// The same, and what the walk loads with other virtual memories, in their order.
+    pub fn with_memories(
+        name: &str,
+        world: &World,
+        options: &WalkOptions,
+        others: &[CacheConfig],
+        step: usize,
+        count: usize,
+        monitor: &dyn Monitor,
+    ) -> (Self, Vec<MemoryRow>) {
         let path_frames = world.path.len();
         let chosen = (0..path_frames).step_by(step);
-        let (mut frames, length) = (Vec::new(), chosen.len());
+        let length = chosen.len();
+        let mut walk = Walk::with_others(world, chosen, options, others);
+        let mut all: Vec<Vec<FrameRow>> = vec![Vec::new(); others.len() + 1];
         monitor.during(&format!("{name}: walk of {length} frames"), |report| {
-            let options = WalkOptions { cache, cold: false, trace: *trace };
-            for row in Walk::new(world, chosen, &options) {
-                frames.push(row);
-                report(frames.len() as f64 / length as f64);
+            while let Some(rows) = walk.next_of_each() {
+                all.iter_mut().zip(rows).for_each(|(all, row)| all.push(row));
+                report(all[0].len() as f64 / length as f64);
             }
         });
-        Ok(Self {
+        let frames = all.remove(0);
+        let memories =
+            others.iter().zip(&all).map(|(cache, rows)| MemoryRow::new(cache.geometry, rows)).collect();
+        let graph = Self {
             name: name.to_owned(),
-            memory_bytes: cache.geometry.memory().0,
+            memory_bytes: options.cache.geometry.memory().0,
             path_frames,
             step,
-            hot_spots: hot_spots(&frames, &world.path, rows_of(of).count()),
+            hot_spots: hot_spots(&frames, &world.path, count),
             frames,
             cuts: cuts(&world.path).into_iter().collect(),
-        })
+        };
+        (graph, memories)
     }
 
     /// The first frame that has the most of something.
     #[must_use]
     pub fn peak(&self, value: fn(&FrameRow) -> u64) -> Option<&FrameRow> {
         self.frames.iter().rev().max_by_key(|row| value(row))
+    }
+}
+
+/// What a walk loads with an on-board memory of some size.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MemoryRow {
+    /// Size of the on-board memory.
+    pub memory_bytes: u64,
+    /// Frames of the walk.
+    pub frames: usize,
+    /// Of these, frames whose working set is not larger than the memory.
+    pub frames_that_fit: usize,
+    /// Bytes loaded a frame, the first one left out, for which nothing is there yet.
+    pub loaded_bytes_a_frame: f64,
+    /// The most that one of these loads.
+    pub most_loaded_bytes: u64,
+    /// Collisions a frame of these.
+    pub collisions_a_frame: f64,
+    /// Frames a second that the standard bus has room for, if each loads as much; none if they load nothing.
+    pub bus_fps: Option<f64>,
+}
+
+impl MemoryRow {
+    fn new(geometry: Geometry, rows: &[FrameRow]) -> Self {
+        let later = &rows[rows.len().min(1)..];
+        let count = later.len().max(1) as f64;
+        let sum = |value: fn(&FrameRow) -> u64| later.iter().map(value).sum::<u64>() as f64;
+        let bus = PciConfig::BITS_32_AT_33_MHZ;
+        let lines = sum(|row| row.loaded_lines) / count;
+        let cycles = lines * bus.cycles(geometry.line().0) as f64;
+        Self {
+            memory_bytes: geometry.memory().0,
+            frames: rows.len(),
+            frames_that_fit: rows.iter().filter(|row| row.working_set_bytes <= geometry.memory().0).count(),
+            loaded_bytes_a_frame: sum(|row| row.loaded_bytes) / count,
+            most_loaded_bytes: later.iter().map(|row| row.loaded_bytes).max().unwrap_or(0),
+            collisions_a_frame: sum(|row| row.collisions) / count,
+            bus_fps: (cycles > 0.0).then(|| CORE_HZ as f64 / cycles),
+        }
     }
 }

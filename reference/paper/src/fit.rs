@@ -5,8 +5,9 @@
 //! memory costs.
 
 use crate::table2::{HotSpot, Shape};
-use crate::verdicts::families;
+use crate::tables::Table2Row;
 use saarcor_random::Random;
+use saarcor_studies::standard::family;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -15,6 +16,60 @@ const LEAST_MEM_MB: f64 = 0.6;
 /// Draws of the bootstrap, and its seed.
 const DRAWS: usize = 4000;
 const SEED: u64 = 2003;
+
+/// A row of ours in the place of one of the paper's.
+#[derive(Clone, Copy, Debug)]
+pub struct Compared<'a> {
+    /// Our scene.
+    pub scene: &'a str,
+    /// Whether it is one of the real scenes.
+    pub real: bool,
+    /// The paper's row.
+    pub paper: &'a Table2Row,
+    /// Our relations.
+    pub ours: Shape,
+}
+
+impl<'a> Compared<'a> {
+    /// A hot spot that stands for a row of the paper.
+    #[must_use]
+    pub fn of(spot: &'a HotSpot) -> Option<Self> {
+        let HotSpot { scene, real, paper, .. } = spot;
+        Some(Self { scene, real: *real, paper: paper.as_ref()?, ours: Shape::ours(spot) })
+    }
+
+    /// Rows of a family depend on each other: they have the geometry of one scene.
+    #[must_use]
+    pub fn family(&self) -> (bool, &str) {
+        (self.real, family(&self.paper.scene))
+    }
+
+    /// The relations of the row that count.
+    #[must_use]
+    pub fn relations(&self) -> Vec<Relation> {
+        let (ours, paper) = (self.ours, Shape::printed(self.paper));
+        let mut all =
+            vec![(A_OF_NO_VM, ours.speed_a, paper.speed_a), (B_OF_NO_VM, ours.speed_b, paper.speed_b)];
+        if self.paper.version_a.mem_mb >= LEAST_MEM_MB {
+            all.push((MEM_B_OF_A, ours.memory_b, paper.memory_b));
+        }
+        let relation = |(relation, ours, paper)| Relation {
+            scene: self.scene.to_owned(),
+            row: format!("{} {}", self.paper.scene, self.paper.frame),
+            relation,
+            ours,
+            paper,
+        };
+        all.into_iter().map(relation).collect()
+    }
+}
+
+/// Names of the relations.
+pub const A_OF_NO_VM: &str = "A / no VM";
+/// See [`A_OF_NO_VM`].
+pub const B_OF_NO_VM: &str = "B / no VM";
+/// See [`A_OF_NO_VM`].
+pub const MEM_B_OF_A: &str = "Mem B / A";
 
 /// A relation within a row, ours and the paper's.
 #[derive(Clone, Debug, Serialize)]
@@ -33,7 +88,8 @@ pub struct Relation {
 
 impl Relation {
     /// |ln(ours / paper)|.
-    fn off_by(&self) -> f64 {
+    #[must_use]
+    pub fn off_by(&self) -> f64 {
         (self.ours / self.paper).ln().abs()
     }
 }
@@ -75,7 +131,11 @@ impl Fits {
     /// Those of these rows.
     #[must_use]
     pub fn of(spots: &[HotSpot]) -> Self {
-        let of = |which: fn(&HotSpot) -> bool| Fit::of(spots.iter().filter(|spot| which(spot)));
+        let of = |which: fn(&HotSpot) -> bool| {
+            let rows: Vec<Compared<'_>> =
+                spots.iter().filter(|spot| which(spot)).filter_map(Compared::of).collect();
+            Fit::of(&rows)
+        };
         Self {
             built_in: of(|spot| !spot.real),
             real: spots.iter().any(|spot| spot.real).then(|| of(|spot| spot.real)),
@@ -87,22 +147,22 @@ impl Fits {
 impl Fit {
     /// That of these rows.
     #[must_use]
-    pub fn of<'a>(spots: impl Iterator<Item = &'a HotSpot>) -> Self {
-        let spots: Vec<&HotSpot> = spots.collect();
-        let all: Vec<Relation> = spots.iter().flat_map(|spot| relations(spot)).collect();
-        let off = |spots: &[&HotSpot]| -> Vec<f64> {
-            spots.iter().flat_map(|spot| relations(spot)).map(|relation| relation.off_by()).collect()
+    pub fn of(rows: &[Compared<'_>]) -> Self {
+        let all: Vec<Relation> = rows.iter().flat_map(Compared::relations).collect();
+        let off = |rows: &[&Compared<'_>]| -> Vec<f64> {
+            rows.iter().flat_map(|row| row.relations()).map(|relation| relation.off_by()).collect()
         };
-        let by_family: Vec<_> = families(spots.iter().copied()).values().map(|spots| off(spots)).collect();
-        let by_row: Vec<_> = spots.chunks(1).map(off).collect();
+        let percent_of = |off: &[&f64]| percent(off.iter().copied().copied());
+        let by_family: Vec<_> = families(rows).values().map(|rows| off(rows)).collect();
+        let by_row: Vec<_> = rows.iter().map(|row| off(&[row])).collect();
         let mut by_relation: BTreeMap<&'static str, Vec<f64>> = BTreeMap::new();
         all.iter().for_each(|one| by_relation.entry(one.relation).or_default().push(one.off_by()));
         Self {
-            rows: spots.len(),
+            rows: rows.len(),
             numbers: all.len(),
             error_percent: percent(all.iter().map(Relation::off_by)),
-            interval: bootstrap(&by_family),
-            interval_by_rows: bootstrap(&by_row),
+            interval: bootstrap(&by_family, percent_of),
+            interval_by_rows: bootstrap(&by_row, percent_of),
             within_10_percent: all.iter().filter(|one| one.off_by() <= 1.1_f64.ln()).count(),
             worst: all.iter().max_by(|a, b| a.off_by().total_cmp(&b.off_by())).cloned(),
             by_relation: by_relation
@@ -113,45 +173,35 @@ impl Fit {
     }
 }
 
-/// The relations of a row that count.
-fn relations(spot: &HotSpot) -> Vec<Relation> {
-    let (ours, paper) = (Shape::ours(spot), Shape::printed(&spot.paper));
-    let mut all =
-        vec![("A / no VM", ours.speed_a, paper.speed_a), ("B / no VM", ours.speed_b, paper.speed_b)];
-    if spot.paper.version_a.mem_mb >= LEAST_MEM_MB {
-        all.push(("Mem B / A", ours.memory_b, paper.memory_b));
-    }
-    let relation = |(relation, ours, paper)| Relation {
-        scene: spot.scene.clone(),
-        row: format!("{} {}", spot.paper.scene, spot.paper.frame),
-        relation,
-        ours,
-        paper,
-    };
-    all.into_iter().map(relation).collect()
+/// Rows by families of scenes.
+#[must_use]
+pub fn families<'a, 'b>(rows: &'b [Compared<'a>]) -> BTreeMap<(bool, &'b str), Vec<&'b Compared<'a>>> {
+    let mut families: BTreeMap<_, Vec<_>> = BTreeMap::new();
+    rows.iter().for_each(|row| families.entry(row.family()).or_default().push(row));
+    families
 }
 
 /// exp(mean) − 1 in percent; of nothing 0.
-fn percent(off: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn percent(off: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = off.fold((0.0, 0_usize), |(sum, count), one| (sum + one, count + 1));
     ((sum / count.max(1) as f64).exp() - 1.0) * 100.0
 }
 
-/// The interval of 95 % of the error when groups are drawn with replacement, as many as there are (Efron 1979).
-fn bootstrap(groups: &[Vec<f64>]) -> [f64; 2] {
+/// The interval of 95 % of a statistic when groups are drawn with replacement, as many as there are (Efron 1979).
+pub(crate) fn bootstrap<T>(groups: &[Vec<T>], statistic: impl Fn(&[&T]) -> f64) -> [f64; 2] {
     if groups.is_empty() {
         return [0.0; 2];
     }
     let mut random = Random::new(SEED);
-    let mut errors: Vec<f64> = (0..DRAWS)
+    let mut drawn: Vec<f64> = (0..DRAWS)
         .map(|_| {
-            let drawn: Vec<&Vec<f64>> =
-                (0..groups.len()).map(|_| &groups[random.below(groups.len() as u64) as usize]).collect();
-            percent(drawn.into_iter().flatten().copied())
+            let group = |_| &groups[random.below(groups.len() as u64) as usize];
+            let drawn: Vec<&T> = (0..groups.len()).map(group).flatten().collect();
+            statistic(&drawn)
         })
         .collect();
-    errors.sort_unstable_by(f64::total_cmp);
-    [errors[DRAWS / 40], errors[DRAWS - 1 - DRAWS / 40]]
+    drawn.sort_unstable_by(f64::total_cmp);
+    [drawn[DRAWS / 40], drawn[DRAWS - 1 - DRAWS / 40]]
 }
 
 #[cfg(test)]
@@ -168,7 +218,10 @@ mod tests {
     #[test]
     fn interval_holds_the_error_and_narrows_with_more_groups() {
         let group = |number: usize| vec![0.01 * (number % 5) as f64; 3];
-        let interval = |groups: usize| bootstrap(&(0..groups).map(group).collect::<Vec<_>>());
+        let interval = |groups: usize| {
+            let groups: Vec<_> = (0..groups).map(group).collect();
+            bootstrap(&groups, |off| percent(off.iter().copied().copied()))
+        };
         let ([few_low, few_high], [low, high]) = (interval(5), interval(50));
         let error = (0.02_f64.exp() - 1.0) * 100.0;
         assert!(few_low < low && low < error && error < high && high < few_high);

@@ -19,18 +19,23 @@
 //! | [`figure3`] | working set and transfers, frame by frame |
 //! | [`table2`] | hot spots on the chip, ours beside the paper's |
 //! | [`fit`] | how far the relations of Table 2 lie from the paper's |
-//! | [`verdicts`] | the paper's claims, and whether they hold here |
+//! | [`sensitivity`] | how far each Assumed number moves these relations |
+//! | [`alternatives`] | chips that differ in one respect: what a figure hangs on |
+//! | [`claims`] | the paper's claims, whether they hold here, and why |
 //! | [`reproduction`] | all of it in one run |
 
+pub mod alternatives;
+pub mod claims;
 mod error;
 pub mod figure3;
 pub mod fit;
 pub mod metadata;
 pub mod reproduction;
+mod sections;
+pub mod sensitivity;
 pub mod table1;
 pub mod table2;
 pub mod tables;
-pub mod verdicts;
 
 pub use error::ReproductionError;
 pub use reproduction::Reproduction;

@@ -1,23 +1,29 @@
 //! The paper's figures, ours beside theirs: the metadata law (§3), Table 1, Figure 3 and Table 2
 //! (§4), and the paper's claims.
 
+use crate::alternatives::SHALLOW_TREE;
+use crate::claims::{Claim, Evidence, judge};
 use crate::error::ReproductionError;
-use crate::figure3::Graph;
+use crate::figure3::{Graph, MemoryRow};
 use crate::fit::Fits;
 use crate::metadata;
+use crate::sections::Section;
 use crate::table1::SceneRow;
-use crate::table2::{self, HotSpot, HotSpotRuns, STANDARD, StandIn, Variation};
-use crate::tables::{self, Table1Row};
-use crate::verdicts::{ClaimVerdict, judge};
+use crate::table2::{self, HotSpot, STANDARD, StandIn};
+use saarcor_model::time::ChipConfig;
+use saarcor_model::vm::CacheConfig;
+use saarcor_scenes::read_cameras;
+use saarcor_studies::StudyError;
 use saarcor_studies::hot_spots::cuts;
 use saarcor_studies::metadata::MetadataFacts;
 use saarcor_studies::monitor::Monitor;
-use saarcor_studies::standard::{self, family};
+use saarcor_studies::standard;
 use saarcor_studies::trace::{PacketSize, TraceOptions};
+use saarcor_studies::walk::WalkOptions;
 use saarcor_studies::world::{World, WorldOptions};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Size of the pictures of the quick form.
 const QUICK_RESOLUTION: (u32, u32) = (256, 192);
@@ -34,6 +40,14 @@ pub enum Extent {
     All,
 }
 
+impl Extent {
+    /// How the pictures are traced.
+    pub(crate) fn trace(self) -> TraceOptions {
+        let resolution = if self == Self::Quick { QUICK_RESOLUTION } else { standard::RESOLUTION };
+        TraceOptions { resolution, packet: PacketSize::Rays64, max_bounces: standard::MAX_BOUNCES }
+    }
+}
+
 /// What to reproduce, and how thoroughly.
 #[derive(Clone, Debug)]
 pub struct ReproductionOptions {
@@ -44,9 +58,26 @@ pub struct ReproductionOptions {
     pub scenes: Option<PathBuf>,
 }
 
+/// A scene of the user's, in place of the paper's.
+#[derive(Clone, Debug)]
+pub struct OwnScene {
+    /// How it is opened.
+    pub world: WorldOptions,
+    /// A file with the camera's path, in place of the one beside the scene.
+    pub path: Option<PathBuf>,
+    /// Its name, for titles and files.
+    pub name: String,
+    /// The virtual memory that it is walked through and simulated with.
+    pub cache: CacheConfig,
+    /// Other sizes of on-board memory, with which it is walked through.
+    pub memories: Vec<CacheConfig>,
+}
+
 /// All figures that were reproduced.
 #[derive(Clone, Debug, Serialize)]
 pub struct Reproduction {
+    /// The scene, if it is one of the user's.
+    pub scene: Option<String>,
     /// How thoroughly.
     pub extent: Extent,
     /// Pixels a row, and rows, of the pictures.
@@ -57,118 +88,22 @@ pub struct Reproduction {
     pub table1: Vec<SceneRow>,
     /// Figure 3's graphs, and those of the other scenes.
     pub figure3: Vec<Graph>,
+    /// The walk of a scene of the user's with other sizes of on-board memory.
+    pub memories: Vec<MemoryRow>,
     /// Table 2.
     pub table2: Vec<HotSpot>,
     /// Frames after a cut of the camera in the place of its hot spots: what a cut costs.
     pub cuts: Vec<HotSpot>,
-    /// How far Table 2's relations lie from the paper's.
-    pub fit: Fits,
-    /// Some of its hot spots with other virtual memories.
-    pub variations: Vec<Variation>,
+    /// How far Table 2's relations lie from the paper's; none for a scene of the user's.
+    pub fit: Option<Fits>,
     /// The paper's claims.
-    pub verdicts: Vec<ClaimVerdict>,
+    pub claims: Vec<Claim>,
 }
 
-/// A scene of the paper whose path is walked: one frame in so many, of the usual and of the quick
-/// form. The paper's Figure 3 has the first and the last.
-struct WalkedScene {
-    of: &'static str,
-    step: usize,
-    quick_step: usize,
-}
-
-const WALKS: [WalkedScene; 4] = [
-    WalkedScene { of: "pQuake3", step: 2, quick_step: 10 },
-    WalkedScene { of: "Conference", step: 10, quick_step: 40 },
-    WalkedScene { of: "Sodahall", step: 10, quick_step: 60 },
-    WalkedScene { of: "Cruiser", step: 20, quick_step: 40 },
-];
-
-/// The real scenes, and the families of the paper's scenes for which they stand in.
-const REAL_SCENES: [(&str, &str); 2] = [("oa_dm3", "pQuake3"), ("conference", "Conference")];
-
-/// One of our scenes in the place of one of the paper's.
-struct Section {
-    /// Its place in the tables.
-    place: usize,
-    row: &'static Table1Row,
-    /// Name of its graph's files.
-    name: String,
-    /// Whether it is a real scene.
-    real: bool,
-    options: WorldOptions,
-}
-
-impl Section {
-    /// All sections: of the built-in scenes, then of those of `scenes`. Of each family the walked one is the first, since
-    /// the others take their hot spots from it.
-    fn all(scenes: Option<&Path>) -> Result<Vec<Self>, ReproductionError> {
-        let built_in = |(place, row): (usize, &'static Table1Row)| {
-            let name = row.scene.to_lowercase();
-            Self { place, row, options: WorldOptions::new(&name), name, real: false }
-        };
-        let mut sections: Vec<Self> = tables::table1().iter().enumerate().map(built_in).collect();
-        for (scene, kind) in REAL_SCENES {
-            let Some(scenes) = scenes else { break };
-            let path = scenes.join(scene).join(scene).with_extension("obj");
-            if !path.is_file() {
-                return Err(ReproductionError::NoRealScene { folder: scenes.to_owned(), scene });
-            }
-            let file = path.to_str().ok_or_else(|| ReproductionError::NotText(path.clone()))?;
-            let name = format!("real-{scene}");
-            for row in tables::table1().iter().filter(|row| family(&row.scene) == kind) {
-                let options = WorldOptions {
-                    lights: Some(row.lights as usize),
-                    no_textures: row.textures_mb.is_none(),
-                    ..WorldOptions::new(file)
-                };
-                let place = sections.len();
-                sections.push(Self { place, row, name: name.clone(), real: true, options });
-            }
-        }
-        sections.sort_by_key(|section| !section.is_walked());
-        Ok(sections)
-    }
-
-    /// The scenes that have its hot spots: those of its family, built-in or real.
-    fn family(&self) -> (&'static str, bool) {
-        (family(&self.row.scene), self.real)
-    }
-
-    fn walk(&self) -> Option<&'static WalkedScene> {
-        WALKS.iter().find(|walk| walk.of == self.row.scene)
-    }
-
-    fn is_walked(&self) -> bool {
-        self.walk().is_some()
-    }
-
-    /// Whether it is the first of its family in the paper's tables: it shows what a cut of the camera costs.
-    fn is_first(&self) -> bool {
-        let mut rows = tables::table1().iter();
-        rows.find(|row| family(&row.scene) == self.family().0).is_some_and(|row| row.scene == self.row.scene)
-    }
-
-    /// Which frames are walked, if any: one in so many.
-    fn step(&self, extent: Extent) -> Option<usize> {
-        let walk = self.walk()?;
-        Some(match extent {
-            Extent::Quick => walk.quick_step,
-            Extent::Some => walk.step,
-            Extent::All => 1,
-        })
-    }
-
-    /// Roughly how many seconds it takes on two cores, for the estimate of the time left.
-    fn seconds(&self, extent: Extent) -> f64 {
-        let pixels = if extent == Extent::Quick { 1.0 / 16.0 } else { 1.0 };
-        // A walk's frame took 1.4 s for the Cruiser; for the others 0.1 to 0.5 s a ray of a pixel.
-        let frame = if self.row.scene == "Cruiser" { 1.4 } else { 0.4 * f64::from(1 + self.row.lights) };
-        let frames = self.step(extent).map_or(0.0, |step| 1000.0 / step as f64);
-        let hot_spots = table2::rows_of(&self.row.scene).count();
-        self.row.triangles as f64 * 1e-5 + pixels * frame * (frames + 12.0 * hot_spots as f64)
-    }
-}
+/// Frames of the walk through a scene of the user's, about: by the extent.
+const OWN_FRAMES: [usize; 2] = [15, 60];
+/// Hot spots of a scene of the user's.
+const OWN_HOT_SPOTS: usize = 3;
 
 impl Reproduction {
     /// Computes all figures. `report` learns the part of the work that is done, 0 to 1, when a scene is.
@@ -182,14 +117,12 @@ impl Reproduction {
     ) -> Result<Self, ReproductionError> {
         let extent = options.extent;
         let sections = Section::all(options.scenes.as_deref())?;
-        let resolution = if extent == Extent::Quick { QUICK_RESOLUTION } else { standard::RESOLUTION };
-        let trace =
-            TraceOptions { resolution, packet: PacketSize::Rays64, max_bounces: standard::MAX_BOUNCES };
+        let trace = extent.trace();
 
         let all: f64 = sections.iter().map(|section| section.seconds(extent)).sum();
         let mut done = 0.0;
         let (mut table1, mut figure3) = (BTreeMap::new(), BTreeMap::new());
-        let (mut runs, mut after_cuts) = (BTreeMap::new(), Vec::new());
+        let (mut table2, mut after_cuts) = (BTreeMap::new(), Vec::new());
         let mut frames_of: BTreeMap<(&str, bool), Vec<usize>> = BTreeMap::new();
         for section in &sections {
             let Section { place, row, name, real, options } = section;
@@ -198,43 +131,110 @@ impl Reproduction {
             if !real {
                 table1.insert(place, SceneRow::new(row, &world));
             }
-            if let Some(step) = section.step(extent) {
-                let graph = Graph::new(name, &row.scene, &world, step, &trace, monitor)?;
+            if let Some(graph) = section.graph(&world, extent, monitor)? {
                 let frames = graph.hot_spots.iter().map(|spot| spot.frame).collect();
                 frames_of.insert(section.family(), frames);
                 figure3.insert(place, graph);
             }
-            let stand_in = StandIn { scene: name, real: *real, of: &row.scene };
-            let frames = frames_of.get(&section.family()).map_or(&[][..], Vec::as_slice);
-            runs.insert(place, table2::hot_spots(stand_in, &world, frames, STANDARD, &trace, monitor)?);
+            let stand_in = StandIn { scene: name, real: *real, of: Some(&row.scene) };
+            let simulate =
+                |frames: &[usize]| table2::hot_spots(stand_in, &world, frames, STANDARD, &trace, monitor);
+            let mut spots = simulate(frames_of.get(&section.family()).map_or(&[][..], Vec::as_slice))?;
             if section.is_first() {
-                let cuts: Vec<usize> = cuts(&world.path).into_iter().collect();
-                after_cuts
-                    .extend(table2::hot_spots(stand_in, &world, &cuts, STANDARD, &trace, monitor)?.spots);
+                after_cuts.extend(simulate(&cuts(&world.path).into_iter().collect::<Vec<_>>())?);
             }
+            drop(world);
+            if section.family().0 == "Cruiser" {
+                with_shallow_tree(section, &mut spots, &trace, monitor)?;
+            }
+            table2.insert(place, spots);
             done += section.seconds(extent);
             report(done / all);
         }
-        let (mut table2, mut variations) = (Vec::new(), Vec::new());
-        for HotSpotRuns { spots, variations: varied } in runs.into_values() {
-            table2.extend(spots);
-            variations.extend(varied);
-        }
-        let (table1, figure3) = (table1.into_values().collect(), figure3.into_values().collect::<Vec<_>>());
-        let metadata = metadata::examples();
-        let verdicts = judge(&metadata, &figure3, &table2, &variations);
-        let fit = Fits::of(&table2);
-        Ok(Self {
+        let reproduction = Self {
+            scene: None,
             extent,
-            resolution,
-            metadata,
-            table1,
-            figure3,
-            table2,
+            resolution: trace.resolution,
+            metadata: metadata::examples(),
+            table1: table1.into_values().collect(),
+            figure3: figure3.into_values().collect(),
+            memories: Vec::new(),
+            table2: table2.into_values().flatten().collect(),
             cuts: after_cuts,
-            fit,
-            variations,
-            verdicts,
-        })
+            fit: None,
+            claims: Vec::new(),
+        };
+        let fit = Some(Fits::of(&reproduction.table2));
+        Ok(Self { fit, ..reproduction }.judged())
     }
+
+    /// The same figures of a scene of the user's: its walk, also with other sizes of on-board memory, and its hot spots.
+    ///
+    /// # Errors
+    /// If the scene cannot be made ready.
+    pub fn of_scene(
+        scene: &OwnScene,
+        extent: Extent,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, ReproductionError> {
+        let OwnScene { world, path, name, cache, memories } = scene;
+        // A wrong path is found before the kd-tree is built.
+        let path = path.as_deref().map(read_cameras).transpose().map_err(StudyError::from)?;
+        let (trace, mut world) = (extent.trace(), World::open(world, monitor)?);
+        world.path = path.unwrap_or(world.path);
+        let step = match extent {
+            Extent::Quick => world.path.len().div_ceil(OWN_FRAMES[0]),
+            Extent::Some => world.path.len().div_ceil(OWN_FRAMES[1]),
+            Extent::All => 1,
+        };
+        let options = WalkOptions { cache: *cache, cold: false, trace };
+        let (graph, memories) =
+            Graph::with_memories(name, &world, &options, memories, step.max(1), OWN_HOT_SPOTS, monitor);
+        let stand_in = StandIn { scene: name, real: true, of: None };
+        let with_cache = |config| ChipConfig { cache: *cache, ..config };
+        let simulate =
+            |frames: &[usize]| table2::hot_spots(stand_in, &world, frames, &with_cache, &trace, monitor);
+        let frames: Vec<usize> = graph.hot_spots.iter().map(|spot| spot.frame).collect();
+        let after_cuts: Vec<usize> = graph.cuts.iter().copied().take(OWN_HOT_SPOTS).collect();
+        let reproduction = Self {
+            scene: Some(name.clone()),
+            extent,
+            resolution: trace.resolution,
+            metadata: Vec::new(),
+            table1: Vec::new(),
+            table2: simulate(&frames)?,
+            cuts: simulate(&after_cuts)?,
+            figure3: vec![graph],
+            memories,
+            fit: None,
+            claims: Vec::new(),
+        };
+        Ok(reproduction.judged())
+    }
+
+    /// With the paper's claims, judged by all else.
+    fn judged(self) -> Self {
+        let Self { metadata, table1, figure3, table2, cuts, .. } = &self;
+        let claims =
+            judge(Evidence { examples: metadata, scenes: table1, graphs: figure3, spots: table2, cuts });
+        Self { claims, ..self }
+    }
+}
+
+/// Adds to the hot spot whose triangle cache hits least what it would be with a kd-tree that is cut off early.
+fn with_shallow_tree(
+    section: &Section,
+    spots: &mut [HotSpot],
+    trace: &TraceOptions,
+    monitor: &dyn Monitor,
+) -> Result<(), ReproductionError> {
+    let rate = |spot: &&mut HotSpot| spot.no_vm.hit_rate("intersection");
+    let Some(spot) = spots.iter_mut().min_by(|a, b| rate(a).total_cmp(&rate(b))) else { return Ok(()) };
+    let mut options = section.options.clone();
+    options.tree.max_depth = Some(section.row.triangles.ilog2() + 2);
+    let world = World::open(&options, monitor)?;
+    let stand_in = StandIn { scene: &section.name, real: section.real, of: Some(&section.row.scene) };
+    let tree = table2::with_other_tree(stand_in, &world, spot.frame, SHALLOW_TREE, trace, monitor)?;
+    spot.alternatives.push(tree);
+    Ok(())
 }

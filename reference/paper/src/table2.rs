@@ -1,21 +1,24 @@
 //! Table 2 (§4): hot spots on the chip without virtual memory, with version A and with version B,
 //! ours beside the paper's.
 
+use crate::alternatives::{self, Plan, Start};
 use crate::tables::{self, MB, Table2Row};
 use rayon::prelude::*;
-use saarcor_fast::chip::simulate;
-use saarcor_model::time::{ChipConfig, PciConfig, Version};
-use saarcor_model::vm::{Bytes, Geometry, Hash};
+use saarcor_fast::chip::{Caches, simulate_part};
+use saarcor_model::time::{ChipConfig, Programs, Version};
+use saarcor_model::vm::Hash;
 use saarcor_studies::StudyError;
 use saarcor_studies::monitor::Monitor;
 use saarcor_studies::simulate::{TimingRow, record, record_before};
 use saarcor_studies::standard;
 use saarcor_studies::trace::{PacketOrder, TraceOptions};
+use saarcor_studies::traffic::{TrafficRow, TrafficWatch};
 use saarcor_studies::world::World;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Frames before a hot spot that warm the caches.
-const WARM_UP: usize = 1;
+pub(crate) const WARM_UP: usize = 1;
 
 /// A frame on the chip in all versions.
 #[derive(Clone, Debug, Serialize)]
@@ -26,25 +29,25 @@ pub struct HotSpot {
     pub real: bool,
     /// Number of the frame in our path.
     pub frame: usize,
-    /// The paper's row.
-    pub paper: Table2Row,
+    /// The paper's row; none for a scene of the user's.
+    pub paper: Option<Table2Row>,
     /// Without virtual memory.
     pub no_vm: TimingRow,
-    /// Without virtual memory, and with an on-board memory that is twice as fast in all that it does.
-    pub no_vm_fast_memory: TimingRow,
     /// With metadata on the chip.
     pub version_a: TimingRow,
     /// With metadata in the on-board memory.
     pub version_b: TimingRow,
-    /// Version A on the faster bus.
-    pub version_a_fast_pci: TimingRow,
+    /// Where the bytes of these three go, by version: none, a, b.
+    pub traffic: BTreeMap<&'static str, TrafficRow>,
+    /// The frame on chips that differ from these three in one respect.
+    pub alternatives: Vec<Alternative>,
 }
 
-/// A hot spot on a chip that differs from version A in one respect.
+/// A hot spot on a chip that differs from the standard one in one respect.
 #[derive(Clone, Debug, Serialize)]
-pub struct Variation {
-    /// The scene.
-    pub scene: String,
+pub struct Alternative {
+    /// In which respect.
+    pub setting: String,
     /// Size of a line.
     pub line_bytes: u64,
     /// Lines a set.
@@ -57,20 +60,33 @@ pub struct Variation {
     pub run: TimingRow,
 }
 
+impl HotSpot {
+    /// The run with `setting` in this version, if there is one.
+    #[must_use]
+    pub fn with(&self, setting: &str, version: Version) -> Option<&TimingRow> {
+        let variant = saarcor_studies::names::version_name(version);
+        let of = |one: &&Alternative| one.setting == setting && one.run.variant == variant;
+        self.alternatives.iter().find(of).map(|one| &one.run)
+    }
+
+    /// Its family among the paper's scenes; a scene of the user's is one by itself.
+    #[must_use]
+    pub fn family(&self) -> &str {
+        standard::family(self.paper.as_ref().map_or(&self.scene, |paper| &paper.scene))
+    }
+
+    /// How it is called: our scene and frame.
+    #[must_use]
+    pub fn name(&self) -> String {
+        format!("{} {}", self.scene, self.frame)
+    }
+}
+
 /// What differs from the standard chip in all runs.
-pub type Setting<'a> = &'a dyn Fn(ChipConfig) -> ChipConfig;
+pub type Setting<'a> = &'a (dyn Fn(ChipConfig) -> ChipConfig + Sync);
 
 /// The standard chip.
 pub const STANDARD: Setting<'static> = &|config| config;
-
-/// Hot spots, and some of them with other virtual memories.
-#[derive(Clone, Debug, Default)]
-pub struct HotSpotRuns {
-    /// The hot spots.
-    pub spots: Vec<HotSpot>,
-    /// Some of them on other chips.
-    pub variations: Vec<Variation>,
-}
 
 /// Which of our scenes stands in a row of the paper.
 #[derive(Clone, Copy, Debug)]
@@ -79,8 +95,17 @@ pub struct StandIn<'a> {
     pub scene: &'a str,
     /// Whether it is one of the real scenes.
     pub real: bool,
-    /// The paper's scene in whose place it stands.
-    pub of: &'a str,
+    /// The paper's scene in whose place it stands; none for a scene of the user's.
+    pub of: Option<&'a str>,
+}
+
+impl StandIn<'_> {
+    /// The rows of Table 2 in which it stands; of a scene of the user's any number, which the paper does not have.
+    fn rows(self) -> Box<dyn Iterator<Item = Option<&'static Table2Row>>> {
+        let Some(of) = self.of else { return Box::new(std::iter::repeat(None)) };
+        let rows: Vec<_> = rows_of(of).map(Some).collect();
+        Box::new(rows.into_iter())
+    }
 }
 
 /// The rows of Table 2 that stand for a scene of the paper.
@@ -88,9 +113,9 @@ pub fn rows_of(scene: &str) -> impl Iterator<Item = &'static Table2Row> {
     tables::table2().iter().filter(move |row| row.scene == scene)
 }
 
-/// Simulates the rows of Table 2 in which a scene stands, and for some the variations of the
-/// virtual memory of which §3 speaks. `frames` are those of our path, one for a row, in the order of the rows; rows for
-/// which there is none are left out. All chips have the `setting`.
+/// Simulates the rows of Table 2 in which a scene stands, and the alternatives that tell what a figure hangs on.
+/// `frames` are those of our path, one for a row, in the order of the rows; rows for which there is none are left out.
+/// All chips have the `setting`.
 ///
 /// # Errors
 /// If the standard sizes make no chip.
@@ -101,99 +126,146 @@ pub fn hot_spots(
     setting: Setting<'_>,
     trace: &TraceOptions,
     monitor: &dyn Monitor,
-) -> Result<HotSpotRuns, StudyError> {
-    let mut runs = HotSpotRuns::default();
-    for (place, (paper, &frame)) in rows_of(stand.of).zip(frames).enumerate() {
-        let what = format!("{} for {}, {}", stand.scene, stand.of, paper.frame);
-        let order = PacketOrder::default();
+) -> Result<Vec<HotSpot>, StudyError> {
+    let rows = stand.rows().zip(frames).enumerate();
+    rows.map(|(place, (paper, &frame))| {
+        let spot = Spot { stand, world, place, frame, setting, trace, monitor };
+        spot.simulate(paper)
+    })
+    .collect()
+}
+
+/// A frame that is to be simulated.
+struct Spot<'a> {
+    stand: StandIn<'a>,
+    world: &'a World,
+    /// Its place among the frames of the scene.
+    place: usize,
+    frame: usize,
+    setting: Setting<'a>,
+    trace: &'a TraceOptions,
+    monitor: &'a dyn Monitor,
+}
+
+impl Spot<'_> {
+    fn simulate(&self, paper: Option<&Table2Row>) -> Result<HotSpot, StudyError> {
+        let Self { stand, world, place, frame, trace, monitor, .. } = *self;
+        let what = match paper {
+            Some(paper) => format!("{} for {}, {}", stand.scene, paper.scene, paper.frame),
+            None => format!("{} {frame}", stand.scene),
+        };
+        let plans = alternatives::of(stand.of, place);
+        let history = plans.iter().map(|plan| plan.start.frames()).max().unwrap_or(0).max(WARM_UP);
         let (before, recording) = monitor.during(&format!("{what}: trace"), |_| {
-            let before = record_before(world, frame, WARM_UP, trace, order, &|_| ());
-            (before, record(world, frame, trace, order))
+            let before = record_before(world, frame, history, trace, PacketOrder::default(), &|_| ());
+            (before, record(world, frame, trace, PacketOrder::default()))
         });
-        let rays = recording.picture.rays.total();
-        let chip = |version| standard::chip(stand.of, version).map(setting);
-        let mut configs = vec![chip(Version::None)?, chip(Version::A)?, chip(Version::B)?];
-        configs.push(ChipConfig { pci: PciConfig::BITS_64_AT_66_MHZ, ..chip(Version::A)? });
-        configs.push(with_fast_memory(chip(Version::None)?));
-        // One scene of each kind that has reason to differ: with shadow rays, and with textures.
-        let varied = if place == 0 && ["Conference", "pQuake3"].contains(&stand.of) {
-            variations(&chip(Version::A)?)?
-        } else {
-            Vec::new()
+        let run = Run {
+            spot: self,
+            before: &before,
+            programs: &recording.programs,
+            rays: recording.picture.rays.total(),
         };
-        configs.extend(&varied);
-        let played = monitor.during(&format!("{what}: chip"), |_| {
-            configs
-                .par_iter()
-                .map(|config| {
-                    let report = simulate(&before, &recording.programs, config)?;
-                    Ok(TimingRow::new(stand.scene, frame, rays, config, &report))
-                })
-                .collect::<Result<Vec<TimingRow>, StudyError>>()
-        })?;
-        let mut played = played.into_iter();
-        let [
-            Some(no_vm),
-            Some(version_a),
-            Some(version_b),
-            Some(version_a_fast_pci),
-            Some(no_vm_fast_memory),
-        ] = std::array::from_fn(|_| played.next())
-        else {
-            unreachable!("a run a chip")
+        let planned: Vec<(&Plan, Version)> =
+            plans.iter().flat_map(|plan| plan.versions.iter().map(move |version| (plan, *version))).collect();
+        let versions = [Version::None, Version::A, Version::B];
+        let (standard, alternatives) = monitor.during(&format!("{what}: chip"), |_| {
+            rayon::join(
+                || versions.par_iter().map(|version| run.standard(*version)).collect::<Result<Vec<_>, _>>(),
+                || planned.par_iter().filter_map(|(plan, version)| run.alternative(plan, *version)).collect(),
+            )
+        });
+        let mut standard = standard?.into_iter();
+        let [Some(none), Some(a), Some(b)] = std::array::from_fn(|_| standard.next()) else {
+            unreachable!("a run a version")
         };
-        runs.spots.push(HotSpot {
+        let traffic = [&none, &a, &b].map(|(row, traffic)| (row.variant, traffic.clone()));
+        Ok(HotSpot {
             scene: stand.scene.to_owned(),
             real: stand.real,
             frame,
-            paper: paper.clone(),
-            no_vm,
-            no_vm_fast_memory,
-            version_a,
-            version_b,
-            version_a_fast_pci,
-        });
-        runs.variations.extend(played.zip(varied).map(|(run, config)| {
-            let geometry = config.cache.geometry;
-            Variation {
-                scene: stand.scene.to_owned(),
-                line_bytes: geometry.line().0,
-                ways: geometry.ways(),
-                hashed: config.cache.hash != Hash::Low,
-                metadata_bytes: geometry.metadata().0,
-                run,
-            }
-        }));
+            paper: paper.cloned(),
+            no_vm: none.0,
+            version_a: a.0,
+            version_b: b.0,
+            traffic: traffic.into_iter().collect(),
+            alternatives,
+        })
     }
-    Ok(runs)
 }
 
-/// The chip with a memory whose clock is twice as fast.
-fn with_fast_memory(mut config: ChipConfig) -> ChipConfig {
-    config.sdram.cycles_a_clock /= 2;
-    config
+/// A traced frame, and the frames before it.
+struct Run<'a> {
+    spot: &'a Spot<'a>,
+    before: &'a [Programs],
+    programs: &'a Programs,
+    rays: u64,
 }
 
-/// Sizes of lines that are compared.
-const LINES: [u64; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
+impl Run<'_> {
+    fn chip(&self, version: Version) -> Result<ChipConfig, StudyError> {
+        let Spot { stand, setting, .. } = self.spot;
+        Ok(setting(standard::chip(stand.of.unwrap_or_default(), version)?))
+    }
 
-/// The chip with other lines, and with fewer ways and without hash.
-fn variations(standard: &ChipConfig) -> Result<Vec<ChipConfig>, StudyError> {
-    let memory = standard.cache.geometry.memory();
-    let with = |line: u64, ways: u32, hash: Hash| -> Result<ChipConfig, StudyError> {
-        let mut config = *standard;
-        config.cache.geometry = Geometry::new(memory, Bytes(line), ways)?;
-        config.cache.hash = hash;
-        Ok(config)
-    };
-    let lines = LINES.into_iter().map(|line| with(line, standard::WAYS, Hash::default()));
-    let sets = [1, 2, 4].into_iter().flat_map(|ways| {
-        [Hash::Low, Hash::AddUpper]
-            .into_iter()
-            .filter(move |&hash| (ways, hash) != (standard::WAYS, Hash::default()))
-            .map(move |hash| with(standard::LINE.0, ways, hash))
-    });
-    lines.chain(sets).collect()
+    /// The caches of a chip when the frame begins.
+    fn caches(&self, config: &ChipConfig, start: Start) -> Result<Caches, StudyError> {
+        let before = &self.before[self.before.len().saturating_sub(start.frames())..];
+        let caches = Caches::after(before, self.programs.triangles, config)?;
+        Ok(if start == Start::ColdFirstLevel { caches.with_cold_first_level() } else { caches })
+    }
+
+    fn standard(&self, version: Version) -> Result<(TimingRow, TrafficRow), StudyError> {
+        let config = self.chip(version)?;
+        let mut watch = TrafficWatch::new(&self.spot.world.image, &config);
+        let all = vec![true; self.programs.packets.len()];
+        let report = simulate_part(self.caches(&config, Start::Warm)?, self.programs, &all, &mut watch);
+        let Spot { stand, frame, .. } = self.spot;
+        Ok((TimingRow::new(stand.scene, *frame, self.rays, &config, &report), watch.row(&report)))
+    }
+
+    /// The frame on another chip; none where the numbers make no chip.
+    fn alternative(&self, plan: &Plan, version: Version) -> Option<Alternative> {
+        let config = (plan.change)(self.chip(version).ok()?)?;
+        self.played(&plan.setting, &config, plan.start).ok()
+    }
+
+    fn played(&self, setting: &str, config: &ChipConfig, start: Start) -> Result<Alternative, StudyError> {
+        let all = vec![true; self.programs.packets.len()];
+        let report = simulate_part(self.caches(config, start)?, self.programs, &all, &mut ());
+        let Spot { stand, frame, .. } = self.spot;
+        let geometry = config.cache.geometry;
+        Ok(Alternative {
+            setting: setting.to_owned(),
+            line_bytes: geometry.line().0,
+            ways: geometry.ways(),
+            hashed: config.cache.hash != Hash::Low,
+            metadata_bytes: geometry.metadata().0,
+            run: TimingRow::new(stand.scene, *frame, self.rays, config, &report),
+        })
+    }
+}
+
+/// A frame without virtual memory on the standard chip, of a world whose kd-tree is another, as the alternative `setting`.
+///
+/// # Errors
+/// If the standard sizes make no chip.
+pub(crate) fn with_other_tree(
+    stand: StandIn<'_>,
+    world: &World,
+    frame: usize,
+    setting: &str,
+    trace: &TraceOptions,
+    monitor: &dyn Monitor,
+) -> Result<Alternative, StudyError> {
+    let spot = Spot { stand, world, place: 0, frame, setting: STANDARD, trace, monitor };
+    monitor.during(&format!("{}: {setting}", stand.scene), |_| {
+        let before = record_before(world, frame, WARM_UP, trace, PacketOrder::default(), &|_| ());
+        let recording = record(world, frame, trace, PacketOrder::default());
+        let rays = recording.picture.rays.total();
+        let run = Run { spot: &spot, before: &before, programs: &recording.programs, rays };
+        run.played(setting, &run.chip(Version::None)?, Start::Warm)
+    })
 }
 
 /// A number of bytes in [`MB`].
@@ -215,7 +287,10 @@ pub struct Shape {
 }
 
 impl Shape {
-    fn new(fps: [f64; 3], [no_vm, a, b]: [f64; 3], pci: f64) -> Self {
+    /// From frames a second, bytes moved to and from the on-board memory without virtual memory, in version A and in
+    /// B, and bytes loaded in version A. Bytes are in any unit.
+    #[must_use]
+    pub fn new(fps: [f64; 3], [no_vm, a, b]: [f64; 3], pci: f64) -> Self {
         Self {
             speed_a: fps[1] / fps[0],
             speed_b: fps[2] / fps[0],
@@ -250,15 +325,5 @@ mod tests {
         let shape = Shape::printed(row);
         assert!((shape.speed_a - 31.6 / 33.0).abs() < 1e-12 && (shape.speed_b - 29.7 / 33.0).abs() < 1e-12);
         assert!((shape.memory_b - 25.2 / 19.1).abs() < 1e-12 && (shape.filled - 1.0 / 0.78).abs() < 1e-9);
-    }
-
-    #[test]
-    fn each_way_of_finding_a_line_is_tried_once() {
-        let standard = standard::chip("conference", Version::A).expect("a chip");
-        let tried = variations(&standard).expect("chips");
-        assert_eq!(tried.len(), LINES.len() + 5);
-        for (place, one) in tried.iter().enumerate() {
-            assert!(one.check().is_ok() && !tried[..place].contains(one));
-        }
     }
 }

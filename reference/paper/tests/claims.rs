@@ -1,7 +1,8 @@
 //! Verdicts follow from runs: where what a claim speaks of is changed, so is the verdict.
 
-use saarcor_paper::table2::{HotSpotRuns, STANDARD, Setting, StandIn, hot_spots};
-use saarcor_paper::verdicts::{Holds, judge};
+use saarcor_model::vm::{Bytes, Geometry};
+use saarcor_paper::claims::{Claim, Evidence, Holds, judge};
+use saarcor_paper::table2::{STANDARD, Setting, StandIn, hot_spots};
 use saarcor_studies::monitor::Silent;
 use saarcor_studies::trace::{PacketSize, TraceOptions};
 use saarcor_studies::world::{World, WorldOptions};
@@ -13,36 +14,77 @@ fn level() -> World {
     world
 }
 
-/// The verdict on the claim that begins so, of a frame of the level in the place of a scene of the paper.
-fn verdict(begin: &str, of: &str, world: &World, frame: usize, setting: Setting<'_>) -> Holds {
+/// A claim, of a frame of the level in the place of a scene of the paper.
+fn claim(id: &str, of: &str, world: &World, frame: usize, setting: Setting<'_>) -> Claim {
     let trace = TraceOptions { resolution: (64, 48), packet: PacketSize::Rays64, max_bounces: 1 };
-    let stand_in = StandIn { scene: "level", real: false, of };
-    let HotSpotRuns { spots, variations } =
-        hot_spots(stand_in, world, &[frame], setting, &trace, &Silent).expect("chips");
-    let verdicts = judge(&[], &[], &spots, &variations);
-    verdicts.into_iter().find(|verdict| verdict.claim.starts_with(begin)).expect("the claim").verdict
+    let stand_in = StandIn { scene: "level", real: false, of: Some(of) };
+    let spots = hot_spots(stand_in, world, &[frame], setting, &trace, &Silent).expect("chips");
+    let claims = judge(Evidence { spots: &spots, ..Evidence::default() });
+    claims.into_iter().find(|claim| claim.id == id).expect("the claim")
 }
 
 #[test]
 fn cruiser_is_limited_by_a_memory_that_is_slow() {
     let world = level();
     let with_clock = |cycles: u32| {
-        verdict("The Cruiser is limited by the on-board memory", "Cruiser", &world, 2, &|mut config| {
+        claim("limited-by-memory", "Cruiser", &world, 2, &|mut config| {
             // Caches that hold most of what so small a picture reads.
             config.l1.iter_mut().for_each(|cache| cache.sets = 1024);
             config.sdram.cycles_a_clock = cycles;
             config
         })
     };
-    assert_eq!(with_clock(20), Holds::Holds);
-    assert_eq!(with_clock(2), Holds::DoesNot, "a memory ten times as fast");
+    let slow = with_clock(20);
+    assert_eq!(slow.verdict, Holds::Holds);
+    let cause = slow.cause.expect("a run with a faster memory");
+    assert!(cause.with_setting > 1.2 * cause.standard, "{cause}");
+    assert_eq!(with_clock(2).verdict, Holds::DoesNot, "a memory ten times as fast");
 }
 
 #[test]
 fn faster_bus_gains_after_a_cut() {
     let world = level();
-    let after =
-        |frame| verdict("A bus four times as fast changes nothing", "pQuake3-nlnt", &world, frame, STANDARD);
-    assert_eq!(after(2), Holds::Holds);
-    assert_eq!(after(1), Holds::DoesNot);
+    let after = |frame| claim("fast-bus", "pQuake3-nlnt", &world, frame, STANDARD);
+    let rest = after(2);
+    assert_eq!(rest.verdict, Holds::Holds);
+    // Its cause is the same frame when nothing is on the card.
+    let cause = rest.cause.expect("a run with empty caches");
+    assert!(cause.standard < 1.02 && cause.with_setting > 1.1, "{cause}");
+    assert_eq!(after(1).verdict, Holds::DoesNot);
+}
+
+#[test]
+fn longest_line_is_best_where_nothing_is_loaded() {
+    let world = level();
+    let with_memory = |frame, bytes| {
+        claim("best-line", "pQuake3", &world, frame, &|mut config| {
+            config.cache.geometry = Geometry::new(Bytes(bytes), Bytes(128), 4).expect("a geometry");
+            config
+        })
+    };
+    let rest = with_memory(2, 8 << 20);
+    assert_eq!(rest.verdict, Holds::DoesNot);
+    assert!(rest.ours.starts_with("4096 B"), "without misses no line costs anything: {}", rest.ours);
+    let collide = with_memory(1, 64 << 10);
+    assert!(!collide.ours.starts_with("4096 B"), "{}", collide.ours);
+}
+
+#[test]
+fn each_claim_has_figures_and_a_cause() {
+    let world = level();
+    let trace = TraceOptions { resolution: (64, 48), packet: PacketSize::Rays64, max_bounces: 1 };
+    let of = |of| StandIn { scene: "level", real: false, of };
+    for scene in [Some("Conference"), Some("Sodahall"), Some("pQuake3"), None] {
+        let spots = hot_spots(of(scene), &world, &[1, 2], STANDARD, &trace, &Silent).expect("chips");
+        let claims = judge(Evidence { spots: &spots, ..Evidence::default() });
+        let ids: Vec<_> = claims.iter().map(|claim| claim.id).collect();
+        assert!(ids.len() >= 12, "{ids:?}");
+        for (place, claim) in claims.iter().enumerate() {
+            assert!(!ids[..place].contains(&claim.id), "{}", claim.id);
+            assert!(!claim.ours.is_empty() && !claim.paper.is_empty(), "{}", claim.id);
+            // Only Sodahall has a run with a longer history.
+            let cause = claim.cause.is_some() || claim.id == "loaded-a-frame" && scene != Some("Sodahall");
+            assert!(cause, "{} of {scene:?}", claim.id);
+        }
+    }
 }

@@ -33,6 +33,7 @@
 //! | [`walk`] | step one of §4: the traffic of a walk through a scene |
 //! | [`hot_spots`] | the frames of a walk that are simulated on the chip |
 //! | [`simulate`] | step two of §4: a frame on the chip, cycle by cycle |
+//! | [`traffic`] | where the bytes of such a frame go |
 //! | [`sampling`] | both steps from a part of the packets, with intervals |
 //! | [`sweep`] | one frame on many chips |
 //! | [`metadata`] | the metadata law of §3 |
@@ -58,6 +59,7 @@ pub mod standard;
 pub mod summary;
 pub mod sweep;
 pub mod trace;
+pub mod traffic;
 pub mod walk;
 pub mod world;
 

@@ -301,6 +301,16 @@ impl From<UnitReport> for UnitRow {
 }
 
 impl TimingRow {
+    /// Part of the look-ups of a unit's first-level cache that hit.
+    ///
+    /// # Panics
+    /// If there is no unit of this name.
+    #[must_use]
+    pub fn hit_rate(&self, unit: &str) -> f64 {
+        let CacheRow { accesses, hits, .. } = self.l1[unit];
+        hits as f64 / accesses.max(1) as f64
+    }
+
     /// The row of a frame of a scene, with so many rays, from the report of a run.
     #[must_use]
     pub fn new(scene: &str, frame: usize, rays: u64, config: &ChipConfig, report: &TimingReport) -> Self {

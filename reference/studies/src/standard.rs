@@ -6,7 +6,7 @@ use saarcor_model::time::standard::{self, CHIP_CACHE_WAYS};
 use saarcor_model::time::{ChipConfig, Version};
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy, Unit};
 
-pub use saarcor_model::time::standard::{LINE, RESOLUTION, WAYS};
+pub use saarcor_model::time::standard::{LINE, MEMORY_OF, RESOLUTION, WAYS};
 
 /// Reflections and refractions that may follow one another.
 pub const MAX_BOUNCES: u32 = Pipeline::<1>::STANDARD_BOUNCES;

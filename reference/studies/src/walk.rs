@@ -81,7 +81,7 @@ pub struct Walk<'a> {
     world: &'a World,
     frames: Box<dyn Iterator<Item = usize> + 'a>,
     options: WalkOptions,
-    cache: Box<dyn ObservedCache>,
+    caches: Vec<Box<dyn ObservedCache>>,
     totals: WalkTotals,
 }
 
@@ -93,14 +93,57 @@ impl<'a> Walk<'a> {
         frames: impl IntoIterator<Item = usize, IntoIter: 'a>,
         options: &WalkOptions,
     ) -> Self {
+        Self::with_others(world, frames, options, &[])
+    }
+
+    /// The same with other virtual memories beside that of the options: each frame is traced once for all of them.
+    ///
+    /// # Panics
+    /// If not all lines are equally long.
+    #[must_use]
+    pub fn with_others(
+        world: &'a World,
+        frames: impl IntoIterator<Item = usize, IntoIter: 'a>,
+        options: &WalkOptions,
+        others: &[CacheConfig],
+    ) -> Self {
         let host = Bytes(world.image.bytes.len() as u64);
+        let line = options.cache.geometry.line();
+        assert!(others.iter().all(|other| other.geometry.line() == line), "lines are equally long");
+        let all = std::iter::once(&options.cache).chain(others);
         Self {
             world,
             frames: Box::new(frames.into_iter()),
             options: *options,
-            cache: observed_cache(options.cache, host),
+            caches: all.map(|cache| observed_cache(*cache, host)).collect(),
             totals: WalkTotals::default(),
         }
+    }
+
+    /// The rows of the next frame, one a virtual memory: that of the options first.
+    ///
+    /// # Panics
+    /// If the path does not have the frame.
+    pub fn next_of_each(&mut self) -> Option<Vec<FrameRow>> {
+        let frame = self.frames.next()?;
+        let (started, WalkOptions { cache: config, cold, trace }) = (Instant::now(), self.options);
+        let (caches, mut cache_seconds) = (&mut self.caches, 0.0);
+        caches.iter_mut().for_each(|cache| cache.begin_frame(cold));
+        let traced = trace_frame(self.world, frame, &trace, config, &mut |addresses| {
+            let started = Instant::now();
+            caches.iter_mut().for_each(|cache| cache.play(addresses));
+            cache_seconds += started.elapsed().as_secs_f64();
+            ControlFlow::Continue(())
+        });
+        let rays = traced.continue_value().unwrap_or_default();
+        let line = config.geometry.line();
+        let rows: Vec<FrameRow> =
+            self.caches.iter().map(|cache| row(frame, rays, cache.counts(), line)).collect();
+        self.totals.rays += rays.total();
+        self.totals.accesses += rows.iter().map(|row| row.accesses).sum::<u64>();
+        self.totals.cache_seconds += cache_seconds;
+        self.totals.seconds += started.elapsed().as_secs_f64();
+        Some(rows)
     }
 
     /// The totals so far.
@@ -118,23 +161,7 @@ impl Iterator for Walk<'_> {
     /// # Panics
     /// If the path does not have the frame.
     fn next(&mut self) -> Option<FrameRow> {
-        let frame = self.frames.next()?;
-        let (started, WalkOptions { cache: config, cold, trace }) = (Instant::now(), self.options);
-        let (cache, mut cache_seconds) = (&mut self.cache, 0.0);
-        cache.begin_frame(cold);
-        let traced = trace_frame(self.world, frame, &trace, config, &mut |addresses| {
-            let started = Instant::now();
-            cache.play(addresses);
-            cache_seconds += started.elapsed().as_secs_f64();
-            ControlFlow::Continue(())
-        });
-        let rays = traced.continue_value().unwrap_or_default();
-        let row = row(frame, rays, cache.counts(), config.geometry.line());
-        self.totals.rays += rays.total();
-        self.totals.accesses += row.accesses;
-        self.totals.cache_seconds += cache_seconds;
-        self.totals.seconds += started.elapsed().as_secs_f64();
-        Some(row)
+        self.next_of_each()?.into_iter().next()
     }
 }
 

@@ -1,14 +1,17 @@
 //! The paper's figures, ours beside theirs, for a person to read: tables, graphs and a page.
 
+mod bars;
 mod page;
 mod plot;
+pub mod sensitivity;
 mod tables;
+mod tornado;
 
 use crate::output::{OutFile, Stdout};
 use anyhow::{Context, Result};
 use saarcor_paper::Reproduction;
+use saarcor_paper::claims::Claim;
 use saarcor_paper::figure3::Graph;
-use saarcor_paper::verdicts::ClaimVerdict;
 use saarcor_studies::walk::FrameRow;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -26,16 +29,25 @@ pub fn print(reproduction: &Reproduction, out: &mut Stdout) -> Result<()> {
     }
     out.line("What the paper claims")?;
     out.line("")?;
-    for ClaimVerdict { claim, verdict, numbers } in &reproduction.verdicts {
-        out.line(format_args!("{claim}: {verdict}"))?;
+    for claim in &reproduction.claims {
+        let Claim { section, claim, paper, ours, verdict, cause, numbers, open, .. } = claim;
+        out.line(format_args!("{section}: {claim} {verdict}"))?;
+        out.line(format_args!("    paper: {paper}"))?;
+        out.line(format_args!("    ours: {ours}"))?;
+        if let Some(cause) = cause {
+            out.line(format_args!("    {cause}"))?;
+        }
         for number in numbers {
             out.line(format_args!("    {number}"))?;
+        }
+        if !open.is_empty() {
+            out.line(format_args!("    not told: {open}"))?;
         }
     }
     out.line("")?;
     out.line("What differs, and why")?;
     out.line("")?;
-    for (what, why) in page::DIFFERENCES {
+    for (what, why) in page::differences(reproduction) {
         out.line(format_args!("{what} {why}"))?;
     }
     Ok(())
@@ -95,6 +107,10 @@ impl Folder {
             let file = |kind| OutFile::check(&self.path.join(format!("figure3-{}.{kind}", graph.name)));
             file("svg")?.write(|out| Ok(out.write_all(plot::svg(graph).as_bytes())?))?;
             file("csv")?.write(|out| Ok(out.write_all(csv(graph).as_bytes())?))?;
+        }
+        for bars in bars::ALL {
+            let file = OutFile::check(&self.path.join(bars.file).with_extension("svg"))?;
+            file.write(|out| Ok(out.write_all(bars.svg(&reproduction.table2).as_bytes())?))?;
         }
         // The page comes last: where it stands, the others do.
         self.page.write(|out| Ok(out.write_all(page::html(reproduction).as_bytes())?))?;

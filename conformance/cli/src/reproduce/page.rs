@@ -1,17 +1,17 @@
 //! The page: all tables and graphs of a reproduction in one HTML file that needs no other.
 
-use super::{plot, tables};
+use super::{bars, plot, tables};
 use crate::size::Size;
 use crate::table::{Table, escaped};
 use saarcor_model::vm::Bytes;
+use saarcor_paper::claims::Claim;
 use saarcor_paper::reproduction::{Extent, Reproduction};
-use saarcor_paper::verdicts::ClaimVerdict;
 use std::fmt::Write as _;
 
 const STYLE: &str = include_str!("../page.css");
 
 /// Why ours differ from the paper's.
-pub const DIFFERENCES: &[(&str, &str)] = &[
+const DIFFERENCES: &[(&str, &str)] = &[
     (
         "The scenes are others.",
         "The paper's scenes and camera paths are not public. Ours are generated, of the same kind, with the \
@@ -46,6 +46,11 @@ pub const DIFFERENCES: &[(&str, &str)] = &[
     ),
 ];
 
+/// Why ours differ from the paper's; of a scene of the user's, which is not in the paper, nothing.
+pub fn differences(report: &Reproduction) -> &'static [(&'static str, &'static str)] {
+    if report.scene.is_none() { DIFFERENCES } else { &[] }
+}
+
 /// The page.
 pub fn html(report: &Reproduction) -> String {
     let [metadata, scenes, hot_spots, chip] = tables::sections(report).map(|tables| {
@@ -54,11 +59,24 @@ pub fn html(report: &Reproduction) -> String {
         };
         tables.into_iter().map(element).collect::<String>()
     });
-    let mut verdicts = String::new();
-    for ClaimVerdict { claim, verdict, numbers } in &report.verdicts {
-        let numbers: Vec<_> = numbers.iter().map(|number| escaped(number)).collect();
+    let mut details = String::new();
+    for Claim { id, claim, numbers, open, verdict, .. } in &report.claims {
+        let told = (!open.is_empty()).then(|| format!("Not told: {open}"));
+        let numbers: Vec<_> = numbers.iter().chain(&told).map(|number| escaped(number)).collect();
         let (claim, numbers) = (escaped(claim), numbers.join("<br>"));
-        let _ = writeln!(verdicts, "<dt>{claim}: <em>{verdict}</em></dt><dd>{numbers}</dd>");
+        let _ = writeln!(details, "<dt>{id}: <em>{verdict}</em></dt><dd>{claim}<br>{numbers}</dd>");
+    }
+    let caption = "Each claim, and one thing changed: the figure with it and without";
+    let claims =
+        format!("<div class=\"scroll wrap\">{}</div>\n", tables::claims(&report.claims).to_html(caption));
+    let mut drawn = String::new();
+    for bars in &bars::ALL {
+        let _ = write!(
+            drawn,
+            "<figure>\n<div class=\"scroll\">{}</div>\n<figcaption>(<a href=\"{1}.svg\">SVG</a>)</figcaption>\n</figure>\n",
+            bars.svg(&report.table2),
+            bars.file
+        );
     }
     let mut graphs = String::new();
     for graph in &report.figure3 {
@@ -80,32 +98,50 @@ pub fn html(report: &Reproduction) -> String {
         Extent::Some => SOME_NOTE,
         Extent::All => "",
     };
-    let mut differences = String::new();
-    for (what, why) in DIFFERENCES {
-        let _ = writeln!(differences, "<dt>{what}</dt><dd>{why}</dd>");
+    let mut why = String::new();
+    for (what, because) in differences(report) {
+        let _ = writeln!(why, "<dt>{what}</dt><dd>{because}</dd>");
     }
+    let title = match &report.scene {
+        None => "The paper's figures, ours beside theirs".to_owned(),
+        Some(scene) => format!("{}: the paper's figures of this scene", escaped(scene)),
+    };
+    let section = |title: &str, text: &str, content: &str| match content {
+        "" => String::new(),
+        content => format!("<h2>{title}</h2>\n{text}{content}"),
+    };
+    let list =
+        |content: &str| if content.is_empty() { String::new() } else { format!("<dl>\n{content}</dl>\n") };
+    let sections = [
+        section("What the paper claims", CLAIMS_TEXT, &format!("{claims}{}", list(&details))),
+        section("Metadata", "", &metadata),
+        section("Scenes", "", &scenes),
+        section("Walks", WALKS_TEXT, &format!("{graphs}{hot_spots}")),
+        section("Chip", CHIP_TEXT, &format!("{chip}{drawn}")),
+        section("What differs, and why", "", &list(&why)),
+    ]
+    .concat();
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n\
-         <title>SaarCOR virtual memory: the paper's figures</title>\n<style>{STYLE}</style>\n</head>\n\
-         <body>\n<main>\n<h1>The paper's figures, ours beside theirs</h1>\n\
+         <title>SaarCOR virtual memory: {title}</title>\n<style>{STYLE}</style>\n</head>\n\
+         <body>\n<main>\n<h1>{title}</h1>\n\
          <p>Schmittler, Leidinger, Slusallek: <cite>A Virtual Memory Architecture for Real-Time Ray Tracing \
-         Hardware</cite> (2003). MB is 2<sup>20</sup> bytes.</p>\n{note}\
-         <h2>Metadata</h2>\n{metadata}\
-         <h2>Scenes</h2>\n{scenes}\
-         <h2>Walks</h2>\n<p>Step one of §4: a sequential ray tracer with the virtual memory and without \
-         first-level caches. The working set is the distinct lines that a frame touches; transferred is what \
-         it loads from the host; a collision is the load of a line that lay in the on-board memory earlier in \
-         the same frame. The on-board memory stays warm from frame to frame.</p>\n\
-         {graphs}{hot_spots}\
-         <h2>Chip</h2>\n<p>Step two of §4: the hot spots of the walks on the whole chip, cycle by cycle, after one frame \
-         that warms the caches; both in the order of their frames, and the same frames for all variants of a scene. \
-         PCI is what a frame loads from the host, Mem what moves between the chip and the on-board memory.</p>\n{chip}\
-         <h2>What the paper claims</h2>\n<dl>\n{verdicts}</dl>\n\
-         <h2>What differs, and why</h2>\n<dl>\n{differences}</dl>\n</main>\n</body>\n</html>\n"
+         Hardware</cite> (2003). MB is 2<sup>20</sup> bytes.</p>\n{note}{sections}</main>\n</body>\n</html>\n"
     )
 }
+
+const CLAIMS_TEXT: &str = "<p>A claim is judged by runs. Its cause is a run in which one thing is changed: the same figure, as the \
+    geometric mean over the rows that it was taken of, with and without. Below the table stand the numbers place by place.</p>\n";
+
+const WALKS_TEXT: &str = "<p>Step one of §4: a sequential ray tracer with the virtual memory and without first-level caches. The \
+    working set is the distinct lines that a frame touches; transferred is what it loads from the host; a collision is the load of \
+    a line that lay in the on-board memory earlier in the same frame. The on-board memory stays warm from frame to frame.</p>\n";
+
+const CHIP_TEXT: &str = "<p>Step two of §4: the hot spots of the walks on the whole chip, cycle by cycle, after one frame that \
+    warms the caches; both in the order of their frames, and the same frames for all variants of a scene. PCI is what a frame \
+    loads from the host, Mem what moves between the chip and the on-board memory.</p>\n";
 
 const QUICK_NOTE: &str = "<p class=\"note\"><strong>Quick form.</strong> The pictures are small, and the walks \
     skip frames. Fewer rays touch fewer lines and share less of what they read, so working sets are smaller and \
@@ -121,15 +157,17 @@ const SOME_NOTE: &str = "<p class=\"note\"><strong>Some frames.</strong> The wal
 mod tests {
     use super::super::csv;
     use super::*;
+    use saarcor_paper::claims::{Evidence, judge};
     use saarcor_paper::figure3::Graph;
     use saarcor_paper::fit::Fits;
     use saarcor_paper::metadata;
     use saarcor_paper::table1::SceneRow;
-    use saarcor_paper::table2::{HotSpotRuns, STANDARD, StandIn, hot_spots};
+    use saarcor_paper::table2::{STANDARD, StandIn, hot_spots};
     use saarcor_paper::tables::table1;
-    use saarcor_paper::verdicts::judge;
     use saarcor_studies::monitor::Silent;
+    use saarcor_studies::standard;
     use saarcor_studies::trace::{PacketSize, TraceOptions};
+    use saarcor_studies::walk::WalkOptions;
     use saarcor_studies::world::{World, WorldOptions};
 
     /// A report of which each row and each graph is about one small room.
@@ -138,26 +176,29 @@ mod tests {
         let world = World::open(&WorldOptions::new(room), &Silent).expect("a scene");
         let resolution = (32, 24);
         let trace = TraceOptions { resolution, packet: PacketSize::Rays64, max_bounces: 1 };
-        let stand_in = StandIn { scene: "room", real: false, of: "Conference" };
-        let runs = hot_spots(stand_in, &world, &[1, 2], STANDARD, &trace, &Silent).expect("chips");
-        let HotSpotRuns { spots: table2, variations } = runs;
+        let stand_in = StandIn { scene: "room", real: false, of: Some("Conference") };
+        let table2 = hot_spots(stand_in, &world, &[1, 2], STANDARD, &trace, &Silent).expect("chips");
         let metadata = metadata::examples();
-        let figure3 = vec![Graph::new("room", "Conference", &world, 2, &trace, &Silent).expect("a walk")];
-        let verdicts = judge(&metadata, &figure3, &table2, &variations);
-        let table1 = vec![SceneRow::new(&table1()[0], &world)];
-        let extent = Extent::Quick;
-        let (cuts, fit) = (table2[..1].to_vec(), Fits::of(&table2));
+        let cache = standard::cache("Conference").expect("a cache");
+        let options = WalkOptions { cache, cold: false, trace };
+        let figure3 = vec![Graph::new("room", &world, &options, 2, 2, &Silent)];
+        let scenes = vec![SceneRow::new(&table1()[0], &world)];
+        let cuts = table2[..1].to_vec();
+        let evidence =
+            Evidence { examples: &metadata, scenes: &scenes, graphs: &figure3, spots: &table2, cuts: &cuts };
+        let (claims, fit) = (judge(evidence), Some(Fits::of(&table2)));
         Reproduction {
-            extent,
+            scene: None,
+            extent: Extent::Quick,
             resolution,
             metadata,
-            table1,
+            table1: scenes,
             figure3,
+            memories: Vec::new(),
             table2,
             cuts,
             fit,
-            variations,
-            verdicts,
+            claims,
         }
     }
 
@@ -194,11 +235,13 @@ mod tests {
     #[test]
     fn each_row_and_claim_is_shown() {
         let report = report();
-        assert_eq!((report.table2.len(), report.variations.len(), report.verdicts.len()), (2, 12, 11));
+        assert_eq!(report.table2.len(), 2);
         let page = html(&report);
-        for verdict in &report.verdicts {
-            assert!(page.contains(&escaped(&verdict.claim)));
-            assert!(verdict.numbers.iter().all(|number| page.contains(&escaped(number))));
+        for claim in &report.claims {
+            assert!(page.contains(&escaped(claim.claim)) && page.contains(&escaped(&claim.ours)));
+            assert!(claim.numbers.iter().all(|number| page.contains(&escaped(number))));
+            let cause = claim.cause.as_ref().expect("each has one");
+            assert!(page.contains(&escaped(&cause.to_string())), "{}", claim.id);
         }
         assert!(page.contains("room 1") && page.contains("room 2"));
     }

@@ -2,12 +2,16 @@
 
 use crate::metadata;
 use crate::table::{Column, Table};
+use saarcor_model::time::Version;
+use saarcor_paper::alternatives::{FAST_BUS, is_of_lines};
+use saarcor_paper::claims::Claim;
 use saarcor_paper::figure3::Graph;
+use saarcor_paper::figure3::MemoryRow;
 use saarcor_paper::fit::{Fits, Relation};
 use saarcor_paper::reproduction::{Extent, Reproduction};
 use saarcor_paper::table1::SceneRow;
-use saarcor_paper::table2::{HotSpot, Shape, Variation};
-use saarcor_paper::tables::{MB, Table2Row, VirtualRun, mb};
+use saarcor_paper::table2::{Alternative, HotSpot, Shape};
+use saarcor_paper::tables::{MB, VirtualRun, mb};
 use saarcor_studies::simulate::TimingRow;
 use saarcor_studies::walk::FrameRow;
 
@@ -16,34 +20,172 @@ type Captioned = Vec<(String, Table)>;
 
 /// The tables of the report by sections of the page: metadata, scenes, walks, chip.
 pub fn sections(report: &Reproduction) -> [Captioned; 4] {
+    let captioned = |caption: &str, table: Table| (caption.to_owned(), table);
+    let metadata = (!report.metadata.is_empty())
+        .then(|| captioned("Metadata of 16 MB (§3)", metadata::table(&report.metadata)));
+    let scenes = [
+        captioned("Table 1: the scenes, ours beside the paper's", table1_beside(&report.table1)),
+        captioned("Bytes a triangle, ours by region of the image", bytes_a_triangle(&report.table1)),
+    ];
+    let memories = (!report.memories.is_empty())
+        .then(|| captioned("The walk with other sizes of on-board memory", memory_table(&report.memories)));
+    let extremes = (
+        format!("Figure 3: extremes and hot spots of the walks ({})", how(report)),
+        extremes(&report.figure3),
+    );
+    let fit = report.fit.as_ref().map(|fit| {
+        let caption =
+            "How far the relations A / no VM, B / no VM and Mem B / A are off, by the geometric mean";
+        captioned(caption, fit_table(fit))
+    });
     let with_cuts = (!report.cuts.is_empty()).then(|| {
         let caption = "Frames after a cut of the camera in the place of hot spots: relations within the rows";
-        (caption.to_owned(), cut_table(&report.cuts))
+        captioned(caption, cut_table(&report.cuts))
     });
-    let table2 = table2_tables(&report.table2)
-        .into_iter()
-        .chain([(
-            "How far the relations A / no VM, B / no VM and Mem B / A are off, by the geometric mean"
-                .to_owned(),
-            fit_table(&report.fit),
-        )])
-        .chain(with_cuts)
-        .chain([(
-            "Table 2's hot spots with other lines, fewer ways and without hash (version A)".to_owned(),
-            variation_table(&report.variations),
-        )]);
+    let of_lines = captioned(
+        "Hot spots with other lines, fewer ways and without hash (versions A and B)",
+        line_table(&report.table2),
+    );
+    let chip = table2_tables(&report.table2).into_iter().chain(fit).chain(with_cuts);
     [
-        vec![("Metadata of 16 MB (§3)".to_owned(), metadata::table(&report.metadata))],
-        vec![
-            ("Table 1: the scenes, ours beside the paper's".to_owned(), table1_beside(&report.table1)),
-            ("Bytes a triangle, ours by region of the image".to_owned(), bytes_a_triangle(&report.table1)),
-        ],
-        vec![(
-            format!("Figure 3: extremes and hot spots of the walks ({})", how(report)),
-            extremes(&report.figure3),
-        )],
-        table2.collect(),
+        metadata.into_iter().collect(),
+        if report.scene.is_none() { scenes.into() } else { Vec::new() },
+        memories.into_iter().chain([extremes]).collect(),
+        chip.chain(traffic_tables(&report.table2)).chain([of_lines]).collect(),
     ]
+}
+
+/// The claims: the paper's figure, ours, the verdict, and what it hangs on.
+pub fn claims(claims: &[Claim]) -> Table {
+    let mut table = Table::new(["claim", "section", "paper", "ours", "verdict", "cause"].map(Column::text));
+    for Claim { id, section, paper, ours, verdict, cause, .. } in claims {
+        let cause = cause.as_ref().map_or_else(|| "–".to_owned(), ToString::to_string);
+        table.row([
+            (*id).to_owned(),
+            (*section).to_owned(),
+            paper.clone(),
+            ours.clone(),
+            verdict.to_string(),
+            cause,
+        ]);
+    }
+    table
+}
+
+/// The classes of bytes, as they are shown, and their names in JSON.
+pub const CLASSES: [(&str, &str); 8] = [
+    ("nodes", "nodes"),
+    ("lists", "lists"),
+    ("triangles", "triangles"),
+    ("shading", "shading"),
+    ("textures", "textures"),
+    ("fills", "fills"),
+    ("metadata read", "metadata_read"),
+    ("written back", "metadata_write_back"),
+];
+
+/// Where the bytes go, a table a version, and what the units and caches do.
+fn traffic_tables(spots: &[HotSpot]) -> Captioned {
+    let versions = [("none", "no virtual memory"), ("a", "version A"), ("b", "version B")];
+    let mut tables: Captioned = Vec::new();
+    for (version, name) in versions {
+        let columns = CLASSES.map(|(class, _)| class).into_iter().chain(["Mem"]).map(Column::number);
+        let memory = ["requests a clock", "part of the peak", "rows opened a request"].map(Column::number);
+        let mut table = Table::new([Column::text("row")].into_iter().chain(columns).chain(memory));
+        for spot in spots {
+            let Some(traffic) = spot.traffic.get(version) else { continue };
+            let run = match version {
+                "none" => &spot.no_vm,
+                "a" => &spot.version_a,
+                _ => &spot.version_b,
+            };
+            let classes = CLASSES.map(|(_, class)| mb(traffic.mem.get(class).copied().unwrap_or(0)));
+            let opened = traffic.rows_opened as f64 / traffic.requests.max(1) as f64;
+            let memory = [traffic.requests_a_clock, run.mem_use, opened].map(|number| format!("{number:.2}"));
+            let cells = classes.into_iter().chain([mb(run.mem_bytes)]).chain(memory);
+            table.row([spot.name()].into_iter().chain(cells));
+        }
+        tables.push((format!("Where the bytes of the on-board memory go, MB a frame: {name}"), table));
+    }
+    tables.push(("What version A loads from the host, MB a frame".to_owned(), loaded_table(spots)));
+    tables.push((
+        "Work a ray, and hit rates of the first-level caches, without virtual memory".to_owned(),
+        work_table(spots),
+    ));
+    tables
+}
+
+fn loaded_table(spots: &[HotSpot]) -> Table {
+    let regions = &CLASSES[..5];
+    let columns = regions.iter().map(|(class, _)| *class).chain(["PCI"]).map(Column::number);
+    let mut table = Table::new([Column::text("row")].into_iter().chain(columns));
+    for spot in spots {
+        let Some(traffic) = spot.traffic.get("a") else { continue };
+        let cells = regions.iter().map(|(_, class)| mb(traffic.pci.get(class).copied().unwrap_or(0)));
+        table.row([spot.name()].into_iter().chain(cells).chain([mb(spot.version_a.pci_bytes)]));
+    }
+    table
+}
+
+fn work_table(spots: &[HotSpot]) -> Table {
+    let numbers = [
+        "nodes a ray",
+        "triangles a ray",
+        "hits: nodes",
+        "lists",
+        "triangles",
+        "paper",
+        "shading",
+        "intersection waits for memory",
+    ];
+    let mut table = Table::new([Column::text("row")].into_iter().chain(numbers.map(Column::number)));
+    for spot in spots {
+        let run = &spot.no_vm;
+        let a_ray = |unit: &str| run.units[unit].rays as f64 / run.rays.max(1) as f64;
+        let rate = |unit: &str| format!("{:.1} %", 100.0 * run.hit_rate(unit));
+        let unit = &run.units["intersection"];
+        let all = (unit.busy + unit.stalled + unit.idle).max(1) as f64;
+        // The one hit rate that the paper prints (§4).
+        let is_printed = spot.paper.as_ref().is_some_and(|paper| paper.frame == "1625");
+        table.row([
+            spot.name(),
+            format!("{:.1}", a_ray("traversal")),
+            format!("{:.1}", a_ray("intersection")),
+            rate("traversal"),
+            rate("list"),
+            rate("intersection"),
+            if is_printed { "13 %".to_owned() } else { "–".to_owned() },
+            rate("shading"),
+            format!("{:.1} %", 100.0 * unit.stalls["memory"] as f64 / all),
+        ]);
+    }
+    table
+}
+
+/// The walk with other sizes of on-board memory.
+fn memory_table(rows: &[MemoryRow]) -> Table {
+    let numbers = [
+        "on-board MB",
+        "frames",
+        "working set fits",
+        "loaded MB a frame",
+        "most",
+        "collisions a frame",
+        "frames a second that the bus allows",
+    ];
+    let mut table = Table::new(numbers.map(Column::number));
+    for row in rows {
+        table.row([
+            mb(row.memory_bytes),
+            row.frames.to_string(),
+            row.frames_that_fit.to_string(),
+            format!("{:.2}", row.loaded_bytes_a_frame / MB as f64),
+            mb(row.most_loaded_bytes),
+            format!("{:.0}", row.collisions_a_frame),
+            row.bus_fps.map_or_else(|| "any".to_owned(), |fps| format!("{fps:.0}")),
+        ]);
+    }
+    table
 }
 
 /// How the walks were made.
@@ -142,13 +284,19 @@ fn names() -> impl Iterator<Item = Column> {
 }
 
 fn name(spot: &HotSpot) -> impl Iterator<Item = String> {
-    let HotSpot { scene, frame, paper, .. } = spot;
-    [paper.scene.clone(), paper.frame.clone(), format!("{scene} {frame}")].into_iter()
+    let none = || "–".to_owned();
+    let (scene, frame) = spot
+        .paper
+        .as_ref()
+        .map_or_else(|| (none(), none()), |paper| (paper.scene.clone(), paper.frame.clone()));
+    [scene, frame, spot.name()].into_iter()
 }
 
-/// Ours, the paper's, and their ratio.
-fn beside(ours: f64, paper: f64, digits: usize) -> [String; 3] {
-    [format!("{ours:.digits$}"), format!("{paper:.digits$}"), ratio(ours / paper)]
+/// Ours, the paper's if it has any, and their ratio.
+fn beside(ours: f64, paper: Option<f64>, digits: usize) -> [String; 3] {
+    let none = || "–".to_owned();
+    let printed = paper.map_or_else(none, |paper| format!("{paper:.digits$}"));
+    [format!("{ours:.digits$}"), printed, paper.map_or_else(none, |paper| ratio(ours / paper))]
 }
 
 /// Table 2, a table a version, and the relations within the rows.
@@ -160,22 +308,22 @@ fn table2_tables(spots: &[HotSpot]) -> Vec<(String, Table)> {
     );
     let (mut a, mut b) = (table(&["fps", "PCI MB", "Mem MB"]), table(&["fps", "PCI MB", "Mem MB"]));
     for spot in spots {
-        let Table2Row { no_vm: paper, version_a, version_b, .. } = &spot.paper;
+        let paper = spot.paper.as_ref();
         let run = &spot.no_vm;
-        let cells = beside(run.fps, paper.fps, 1)
+        let cells = beside(run.fps, paper.map(|paper| paper.no_vm.fps), 1)
             .into_iter()
-            .chain(beside(in_mb(run.mem_bytes), paper.mem_mb, 1))
+            .chain(beside(in_mb(run.mem_bytes), paper.map(|paper| paper.no_vm.mem_mb), 1))
             .chain([format!("{:.1}", run.cycles_a_ray)]);
         no_vm.row(name(spot).chain(cells));
-        let with_vm = |table: &mut Table, run: &TimingRow, paper: &VirtualRun| {
-            let cells = beside(run.fps, paper.fps, 1)
+        let with_vm = |table: &mut Table, run: &TimingRow, paper: Option<VirtualRun>| {
+            let cells = beside(run.fps, paper.map(|paper| paper.fps), 1)
                 .into_iter()
-                .chain(beside(in_mb(run.pci_bytes), paper.pci_mb, 2))
-                .chain(beside(in_mb(run.mem_bytes), paper.mem_mb, 1));
+                .chain(beside(in_mb(run.pci_bytes), paper.map(|paper| paper.pci_mb), 2))
+                .chain(beside(in_mb(run.mem_bytes), paper.map(|paper| paper.mem_mb), 1));
             table.row(name(spot).chain(cells));
         };
-        with_vm(&mut a, &spot.version_a, version_a);
-        with_vm(&mut b, &spot.version_b, version_b);
+        with_vm(&mut a, &spot.version_a, paper.map(|paper| paper.version_a));
+        with_vm(&mut b, &spot.version_b, paper.map(|paper| paper.version_b));
     }
     vec![
         ("Table 2: hot spots without virtual memory".to_owned(), no_vm),
@@ -185,20 +333,21 @@ fn table2_tables(spots: &[HotSpot]) -> Vec<(String, Table)> {
     ]
 }
 
+/// Numbers of the paper's row; without one there are none.
+fn printed<const N: usize>(spot: &HotSpot, numbers: impl Fn(Shape) -> [String; N]) -> [String; N] {
+    let none = || std::array::from_fn(|_| "–".to_owned());
+    spot.paper.as_ref().map_or_else(none, |paper| numbers(Shape::printed(paper)))
+}
+
 /// The relations, ours and the paper's.
 fn shapes(spots: &[HotSpot]) -> Table {
     let relations = ["A / no VM", "B / no VM", "Mem B / A", "(Mem A - no VM) / PCI"];
     let columns = relations.iter().flat_map(|name| [*name, "paper"]).map(Column::number);
     let mut table = Table::new(names().chain(columns));
     for spot in spots {
-        let (ours, paper) = (Shape::ours(spot), Shape::printed(&spot.paper));
-        let pairs = [
-            (ours.speed_a, paper.speed_a),
-            (ours.speed_b, paper.speed_b),
-            (ours.memory_b, paper.memory_b),
-            (ours.filled, paper.filled),
-        ];
-        table.row(name(spot).chain(pairs.into_iter().flat_map(|(ours, paper)| [ratio(ours), ratio(paper)])));
+        let numbers = |shape: Shape| [shape.speed_a, shape.speed_b, shape.memory_b, shape.filled].map(ratio);
+        let (ours, paper) = (numbers(Shape::ours(spot)), printed(spot, numbers));
+        table.row(name(spot).chain(ours.into_iter().zip(paper).flat_map(|(ours, paper)| [ours, paper])));
     }
     table
 }
@@ -208,11 +357,13 @@ fn cut_table(spots: &[HotSpot]) -> Table {
     let numbers = ["A / no VM", "paper", "B / no VM", "paper", "PCI MB", "paper", "gain of a faster bus"];
     let mut table = Table::new(names().chain(numbers.map(Column::number)));
     for spot in spots {
-        let (ours, paper) = (Shape::ours(spot), Shape::printed(&spot.paper));
-        let relations = [ours.speed_a, paper.speed_a, ours.speed_b, paper.speed_b].map(ratio);
-        let loaded =
-            [in_mb(spot.version_a.pci_bytes), spot.paper.version_a.pci_mb].map(|mb| format!("{mb:.2}"));
-        let gain = ratio(spot.version_a_fast_pci.fps / spot.version_a.fps);
+        let numbers = |shape: Shape| [shape.speed_a, shape.speed_b].map(ratio);
+        let (ours, paper) = (numbers(Shape::ours(spot)), printed(spot, numbers));
+        let relations = ours.into_iter().zip(paper).flat_map(|(ours, paper)| [ours, paper]);
+        let loaded = spot.paper.as_ref().map(|paper| format!("{:.2}", paper.version_a.pci_mb));
+        let loaded = [mb(spot.version_a.pci_bytes), loaded.unwrap_or_else(|| "–".to_owned())];
+        let fast = spot.with(FAST_BUS, Version::A);
+        let gain = ratio(fast.map_or(f64::NAN, |fast| fast.fps / spot.version_a.fps));
         table.row(name(spot).chain(relations).chain(loaded).chain([gain]));
     }
     table
@@ -245,21 +396,26 @@ fn fit_table(fits: &Fits) -> Table {
     table
 }
 
-/// The hot spots on chips that differ from version A in the virtual memory.
-fn variation_table(variations: &[Variation]) -> Table {
-    let names = ["scene", "line", "ways", "hash"].map(Column::text).into_iter();
+/// The hot spots with other lines, ways and hashes.
+fn line_table(spots: &[HotSpot]) -> Table {
+    let names = ["scene", "version", "line", "ways", "hash"].map(Column::text).into_iter();
     let numbers = ["fps", "loaded MB", "Mem MB", "metadata KB"].map(Column::number);
     let mut table = Table::new(names.chain(numbers));
-    for Variation { scene, line_bytes, ways, hashed, metadata_bytes, run } in variations {
+    for (spot, one) in spots.iter().flat_map(|spot| spot.alternatives.iter().map(move |one| (spot, one))) {
+        let Alternative { setting, line_bytes, ways, hashed, metadata_bytes, run } = one;
+        if !is_of_lines(setting) {
+            continue;
+        }
         let hash = if *hashed { "yes" } else { "no" };
         table.row([
-            format!("{scene} {}", run.frame),
+            spot.name(),
+            run.variant.to_owned(),
             line_bytes.to_string(),
             ways.to_string(),
             hash.to_owned(),
             format!("{:.1}", run.fps),
-            format!("{:.2}", in_mb(run.pci_bytes)),
-            format!("{:.2}", in_mb(run.mem_bytes)),
+            mb(run.pci_bytes),
+            mb(run.mem_bytes),
             format!("{:.0}", *metadata_bytes as f64 / 1024.0),
         ]);
     }

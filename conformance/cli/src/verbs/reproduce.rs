@@ -1,11 +1,19 @@
 //! `saarcor reproduce`.
 
+use crate::args::SceneName;
+use crate::limits::check_state;
 use crate::output::{Stdout, json_line};
 use crate::progress::{Progress, Remaining};
-use crate::reproduce::{Folder, print};
+use crate::reproduce::{Folder, print, sensitivity};
+use crate::size::Size;
 use anyhow::Result;
-use saarcor_paper::reproduction::{Extent, Reproduction, ReproductionOptions};
-use std::path::PathBuf;
+use clap::builder::PossibleValuesParser;
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry};
+use saarcor_paper::MB;
+use saarcor_paper::reproduction::{Extent, OwnScene, Reproduction, ReproductionOptions};
+use saarcor_paper::sensitivity::{NUMBERS, Options, Setting};
+use saarcor_studies::standard;
+use std::path::{Path, PathBuf};
 
 /// The paper's figures, ours beside theirs: as tables, and as a page with graphs
 #[derive(Debug, clap::Args)]
@@ -22,24 +30,62 @@ pub struct Args {
     /// Folder with the real scenes: its oa_dm3 and conference stand in for pQuake3 and Conference too
     #[arg(long, value_name = "DIR")]
     scenes: Option<PathBuf>,
+    /// Instead of the paper's scenes, an OBJ file (or a built-in scene): its walk, hot spots, bytes and the claims
+    #[arg(long, value_name = "FILE.obj", conflicts_with_all = ["scenes", "sensitivity"])]
+    scene: Option<SceneName>,
+    /// The camera's path, in place of the camera.csv beside the scene
+    #[arg(long, value_name = "FILE.csv", requires = "scene")]
+    path: Option<PathBuf>,
+    /// On-board memory of the scene [default: 8MiB]
+    #[arg(long, value_name = "SIZE", requires = "scene")]
+    memory: Option<Size>,
+    /// Instead of the figures, Table 2 with other values of each Assumed number: hours, but a run goes on where one was
+    /// stopped
+    ///
+    /// The folder gets sensitivity.jsonl, by which a run goes on, sensitivity.json with the result, and a tornado (SVG) of
+    /// A / no VM, B / no VM, Mem and PCI.
+    #[arg(long, conflicts_with = "all_frames")]
+    sensitivity: bool,
+    /// Varies these numbers alone, and no pairs
+    #[arg(long, value_name = "NAME,...", requires = "sensitivity", value_delimiter = ',', value_parser = numbers())]
+    over: Vec<String>,
+    /// Several values at a time, such as "granule=32 B,banks=8"; may be given more than once
+    #[arg(long, value_name = "SETTING", requires = "sensitivity")]
+    combine: Vec<Setting>,
     /// Prints all figures as one JSON object
     #[arg(long)]
     json: bool,
 }
 
+/// Sizes of on-board memory that are compared, in MB.
+const MEMORIES: [u64; 7] = [1, 2, 4, 8, 16, 32, 64];
+
+/// The names of the Assumed numbers.
+fn numbers() -> PossibleValuesParser {
+    PossibleValuesParser::new(NUMBERS.iter().map(|number| number.name))
+}
+
 impl Args {
     /// Computes all figures, writes the page and prints the tables.
     pub fn run(self, progress: &Progress) -> Result<()> {
-        let folder = Folder::create(&self.out)?;
         let extent = match (self.quick, self.all_frames) {
             (true, _) => Extent::Quick,
             (false, false) => Extent::Some,
             (false, true) => Extent::All,
         };
-        let options = ReproductionOptions { extent, scenes: self.scenes };
-        let remaining = Remaining::new();
-        let reproduction =
-            Reproduction::compute(&options, progress, &mut |part| remaining.say(part, progress))?;
+        if self.sensitivity {
+            let options = Options { extent, scenes: self.scenes };
+            return sensitivity::run(&self.out, &options, &self.over, &self.combine, self.json, progress);
+        }
+        let own = self.scene.as_ref().map(|scene| self.own_scene(scene)).transpose()?;
+        let folder = Folder::create(&self.out)?;
+        let reproduction = if let Some(own) = own {
+            Reproduction::of_scene(&own, extent, progress)?
+        } else {
+            let options = ReproductionOptions { extent, scenes: self.scenes };
+            let remaining = Remaining::new();
+            Reproduction::compute(&options, progress, &mut |part| remaining.say(part, progress))?
+        };
         let page = folder.write(&reproduction)?;
         let mut out = Stdout::new();
         if self.json {
@@ -49,5 +95,27 @@ impl Args {
         }
         progress.say(format_args!("written: {}", page.display()));
         out.finish()
+    }
+    /// The scene of the user's, with its memory and others to compare.
+    fn own_scene(&self, scene: &SceneName) -> Result<OwnScene> {
+        let text = scene.text();
+        let Size(memory) = self.memory.unwrap_or(Size(standard::memory(&text)));
+        let with = |memory: Bytes| -> Result<CacheConfig> {
+            let geometry = Geometry::new(memory, standard::LINE, standard::WAYS)?;
+            let cache = CacheConfig { geometry, ..standard::cache(&text)? };
+            check_state(cache, Bytes(0))?;
+            Ok(cache)
+        };
+        let mut memories: Vec<u64> = MEMORIES.map(|mb| mb * MB).into_iter().chain([memory.0]).collect();
+        memories.sort_unstable();
+        memories.dedup();
+        let name = Path::new(&*text).file_stem().map_or_else(|| text.clone(), |stem| stem.to_string_lossy());
+        Ok(OwnScene {
+            world: scene.world(),
+            path: self.path.clone(),
+            name: name.into_owned(),
+            cache: with(memory)?,
+            memories: memories.into_iter().map(|memory| with(Bytes(memory))).collect::<Result<_>>()?,
+        })
     }
 }

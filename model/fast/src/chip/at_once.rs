@@ -46,6 +46,13 @@ impl Caches {
         }
         Ok(Self { config: *config, l1: chip.l1.map(|l1| l1.cache), tags: chip.tags })
     }
+
+    /// The same virtual memory behind first-level caches that hold nothing.
+    #[must_use]
+    pub fn with_cold_first_level(mut self) -> Self {
+        self.l1.iter_mut().for_each(|l1| l1.invalidate(HostAddr(0), 1 << 32));
+        self
+    }
 }
 
 impl<O: ChipObserver> Chip<'_, O> {

@@ -1,0 +1,136 @@
+//! The sensitivity of Table 2, in one folder: what was measured, so that a run can go on, the result and the tornados.
+
+use super::tornado::TORNADOS;
+use crate::output::{OutFile, Stdout, json_line};
+use crate::progress::{Progress, Remaining};
+use crate::table::{Column, Table};
+use anyhow::{Context, Result, ensure};
+use saarcor_paper::sensitivity::{Bar, Effect, Measured, Options, Sensitivity, Setting, measure};
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{ErrorKind, Write as _};
+use std::path::Path;
+
+/// Measures what the folder lacks, and writes the result. `over` names the numbers that are varied, and no pairs of them;
+/// without any, all are.
+///
+/// # Errors
+/// If the folder cannot be written to or holds something else, and those of [`measure`].
+pub fn run(
+    folder: &Path,
+    options: &Options,
+    over: &[String],
+    combined: &[Setting],
+    json: bool,
+    progress: &Progress,
+) -> Result<()> {
+    fs::create_dir_all(folder).with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
+    let result = OutFile::check(&folder.join("sensitivity.json"))?;
+    let path = folder.join("sensitivity.jsonl");
+    let (mut known, mut file) = open(&path)?;
+    if !known.is_empty() {
+        progress.say(format!("{}: {} rows are known", path.display(), known.len()));
+    }
+    let is_varied =
+        |setting: &Setting| over.is_empty() || over.iter().any(|name| setting.numbers() == [name]);
+    let one_at_a_time = Setting::one_at_a_time().into_iter().filter(is_varied);
+    let settings: Vec<Setting> = one_at_a_time.chain(combined.iter().cloned()).collect();
+    let mut keep = |measured: &Measured| {
+        let line = serde_json::to_string(measured)?;
+        file.write_all(format!("{line}\n").as_bytes())
+    };
+    let mut complete = |settings: &[Setting], known: &mut Vec<Measured>| -> Result<Sensitivity> {
+        let remaining = Remaining::new();
+        measure(options, settings, known, &mut keep, progress, &mut |part| remaining.say(part, progress))
+            .with_context(|| path.display().to_string())?;
+        Ok(Sensitivity::of(options, settings, known))
+    };
+    let mut sensitivity = complete(&settings, &mut known)?;
+    if over.is_empty() {
+        let all: Vec<Setting> = settings.into_iter().chain(sensitivity.pairs()).collect();
+        sensitivity = complete(&all, &mut known)?;
+    }
+    result.write(|out| Ok(writeln!(out, "{}", serde_json::to_string_pretty(&sensitivity)?)?))?;
+    for tornado in TORNADOS {
+        let file = OutFile::check(&folder.join(tornado.file).with_extension("svg"))?;
+        file.write(|out| Ok(out.write_all(tornado.svg(&sensitivity).as_bytes())?))?;
+    }
+    let mut out = Stdout::new();
+    if json {
+        json_line(&mut out, &sensitivity)?;
+    } else {
+        print(&sensitivity, &mut out)?;
+    }
+    out.finish()
+}
+
+/// What the file has, and the file to go on with. A line that was not written to its end is dropped.
+fn open(path: &Path) -> Result<(Vec<Measured>, File)> {
+    let shown = path.display();
+    let text = match fs::read_to_string(path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
+        Err(error) => return Err(error).with_context(|| format!("{shown}: cannot be read")),
+    };
+    let whole = text.rfind('\n').map_or(0, |end| end + 1);
+    ensure!(
+        text[whole..].is_empty() || text[whole..].starts_with('{'),
+        "{shown}: holds something else; name another folder"
+    );
+    let lines = text[..whole].lines().enumerate().map(|(place, line)| {
+        serde_json::from_str(line)
+            .with_context(|| format!("{shown}: line {}: no measured row; name another folder", place + 1))
+    });
+    let known = lines.collect::<Result<Vec<Measured>>>()?;
+    let file = File::options().create(true).append(true).open(path);
+    let file = file.with_context(|| format!("{shown}: cannot be written"))?;
+    file.set_len(whole as u64).with_context(|| format!("{shown}: cannot be written"))?;
+    Ok((known, file))
+}
+
+fn print(sensitivity: &Sensitivity, out: &mut Stdout) -> Result<()> {
+    let Sensitivity { settings, defaults, bars, strongest, combinations, .. } = sensitivity;
+    let rows = defaults.get("all").map_or(0, |effect| effect.rows);
+    out.line(format_args!(
+        "{settings} settings over {rows} rows. Errors in percent, changes in points of percent"
+    ))?;
+    out.line("")?;
+    let names = ["A / no VM", "B / no VM", "Mem B / A", "fps", "Mem", "PCI"];
+    let numbers = ["error", "change", "built-in", "real", "95 % over families"].into_iter().chain(names);
+    let mut table = Table::new(std::iter::once(Column::text("setting")).chain(numbers.map(Column::number)));
+    let mut row = |setting: &str, effects: &BTreeMap<&'static str, Effect>| {
+        let Some(Effect { errors, change, interval: [low, high], .. }) = effects.get("all") else { return };
+        let of =
+            |set: &str| effects.get(set).map_or_else(String::new, |effect| format!("{:+.1}", effect.change));
+        let absolute = [errors.a, errors.b, errors.mem_b_of_a, errors.fps, errors.mem, errors.pci];
+        let first = [setting.to_owned(), format!("{:.1}", errors.relations), format!("{change:+.1}")];
+        let interval = format!("{low:+.1} to {high:+.1}");
+        let cells = [of("built_in"), of("real"), interval].into_iter();
+        table.row(first.into_iter().chain(cells).chain(absolute.map(|error| format!("{error:.1}"))));
+    };
+    row("the defaults", defaults);
+    bars.iter().chain(combinations).for_each(|Bar { setting, effects }| row(setting, effects));
+    out.line(table)?;
+    out.line("")?;
+    out.line(format_args!("the strongest numbers: {}", strongest[..strongest.len().min(4)].join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn run_that_was_stopped_goes_on_behind_the_last_whole_line() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("sensitivity.jsonl");
+        let line = r#"{"defaults":"0","resolution":[8,8],"scene":"s","real":false,"of":"Sodahall","row":"a","frame":1,"setting":"","fps":[1.0,1.0,1.0],"mem_bytes":[1,1,1],"pci_bytes":[1,1]}"#;
+        fs::write(&path, format!("{line}\n{}", &line[..30])).expect("written");
+        let (known, mut file) = open(&path).expect("opened");
+        assert_eq!(known.len(), 1);
+        writeln!(file, "{line}").expect("written");
+        assert_eq!(open(&path).expect("opened").0.len(), 2);
+        fs::write(&path, "frame,cycles\n").expect("written");
+        let said = format!("{:#}", open(&path).err().expect("refused"));
+        assert!(said.contains("line 1: no measured row; name another folder"), "{said}");
+    }
+}

@@ -1,0 +1,228 @@
+//! The paper's claims: whether they hold here, and what each hangs on, as a run with one thing changed.
+
+mod chip;
+mod memory;
+mod walks;
+
+use crate::figure3::Graph;
+use crate::table1::SceneRow;
+use crate::table2::HotSpot;
+use crate::tables::MB;
+use saarcor_studies::metadata::MetadataFacts;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// Whether a claim holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Holds {
+    /// Everywhere it was looked at.
+    Holds,
+    /// In some places.
+    InPart,
+    /// Nowhere.
+    DoesNot,
+    /// The paper does not say what its figure counts.
+    NotComparable,
+}
+
+impl Holds {
+    /// From the findings in each place.
+    fn of(places: impl IntoIterator<Item = bool>) -> Self {
+        let (mut some, mut all) = (false, true);
+        places.into_iter().for_each(|holds| (some, all) = (some | holds, all & holds));
+        match (some, all) {
+            (true, true) => Self::Holds,
+            (true, false) => Self::InPart,
+            (false, _) => Self::DoesNot,
+        }
+    }
+}
+
+impl fmt::Display for Holds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Holds => "holds",
+            Self::InPart => "holds in part",
+            Self::DoesNot => "does not hold here",
+            Self::NotComparable => "not comparable",
+        })
+    }
+}
+
+/// A claim of the paper, judged.
+#[derive(Clone, Debug, Serialize)]
+pub struct Claim {
+    /// A name for it.
+    pub id: &'static str,
+    /// Where it stands in the paper.
+    pub section: &'static str,
+    /// The claim, and how it is judged.
+    pub claim: &'static str,
+    /// The paper's figures.
+    pub paper: String,
+    /// Ours.
+    pub ours: String,
+    /// Whether it holds.
+    pub verdict: Holds,
+    /// What it hangs on; none where nothing was run that tells.
+    pub cause: Option<Cause>,
+    /// The numbers that decide it, place by place.
+    pub numbers: Vec<String>,
+    /// What cannot be told from the paper; empty where nothing is left open.
+    pub open: &'static str,
+}
+
+/// A counterfactual: one thing is changed, and the same figure is taken again.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Cause {
+    /// What is changed.
+    pub setting: String,
+    /// Which figure.
+    pub figure: String,
+    /// The figure as all else is standard.
+    pub standard: f64,
+    /// The figure with the setting.
+    pub with_setting: f64,
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { setting, figure, standard, with_setting } = self;
+        let number = |value: f64| format!("{value:.*}", if value < 10.0 { 3 } else { 1 });
+        write!(f, "with {setting}: {figure} {}, not {}", number(*with_setting), number(*standard))
+    }
+}
+
+/// All that claims are judged by.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Evidence<'a> {
+    /// The examples of §3.
+    pub examples: &'a [MetadataFacts],
+    /// Table 1.
+    pub scenes: &'a [SceneRow],
+    /// The walks.
+    pub graphs: &'a [Graph],
+    /// The hot spots.
+    pub spots: &'a [HotSpot],
+    /// Frames after a cut of the camera.
+    pub cuts: &'a [HotSpot],
+}
+
+/// Judges all claims, in the order of the paper. Claims about scenes that are not there are left out.
+#[must_use]
+pub fn judge(evidence: Evidence<'_>) -> Vec<Claim> {
+    let of_memory = memory::claims(evidence);
+    of_memory.into_iter().chain(walks::claims(evidence)).chain(chip::claims(evidence)).collect()
+}
+
+/// A range of values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Range {
+    least: f64,
+    most: f64,
+}
+
+impl Range {
+    fn of(values: impl IntoIterator<Item = f64>) -> Self {
+        let none = Self { least: f64::INFINITY, most: f64::NEG_INFINITY };
+        values
+            .into_iter()
+            .fold(none, |range, value| Self { least: range.least.min(value), most: range.most.max(value) })
+    }
+
+    /// Both ends moved outwards by a quarter of their distance from 1: values so near to the paper's rows
+    /// count as the same.
+    fn widened(self) -> Self {
+        let quarter = |end: f64| (end - 1.0).abs() / 4.0;
+        Self { least: self.least - quarter(self.least), most: self.most + quarter(self.most) }
+    }
+
+    fn has(self, value: f64) -> bool {
+        (self.least..=self.most).contains(&value)
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.2} to {:.2}", self.least, self.most)
+    }
+}
+
+/// The hot spots by families, those of the real scenes apart.
+fn families<'a>(spots: impl IntoIterator<Item = &'a HotSpot>) -> BTreeMap<String, Vec<&'a HotSpot>> {
+    let mut families: BTreeMap<String, Vec<&HotSpot>> = BTreeMap::new();
+    for spot in spots {
+        let name = spot.family();
+        let name = if spot.real { format!("{name} (real scene)") } else { name.to_owned() };
+        families.entry(name).or_default().push(spot);
+    }
+    families
+}
+
+/// Bytes in MB.
+fn in_mb(bytes: u64) -> f64 {
+    bytes as f64 / MB as f64
+}
+
+/// Ranges of a number of each row, family by family.
+fn ranges<'a>(
+    spots: impl IntoIterator<Item = &'a HotSpot>,
+    number: impl Fn(&HotSpot) -> Option<f64>,
+) -> Vec<String> {
+    let range = |(name, spots): (String, Vec<&HotSpot>)| {
+        let range = Range::of(spots.iter().filter_map(|spot| number(spot)));
+        range.least.is_finite().then(|| format!("{name} {range}"))
+    };
+    families(spots).into_iter().filter_map(range).collect()
+}
+
+/// The geometric mean; none of nothing.
+fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let logs: Vec<f64> = values.into_iter().filter(|value| *value > 0.0).map(f64::ln).collect();
+    (!logs.is_empty()).then(|| (logs.iter().sum::<f64>() / logs.len() as f64).exp())
+}
+
+/// A figure of the rows that have it with and without a setting: its geometric mean over them.
+fn cause<'a>(
+    setting: &str,
+    figure: &str,
+    spots: impl IntoIterator<Item = &'a HotSpot>,
+    both: impl Fn(&HotSpot) -> Option<(f64, f64)>,
+) -> Option<Cause> {
+    let (standard, changed): (Vec<f64>, Vec<f64>) = spots.into_iter().filter_map(both).unzip();
+    Some(Cause {
+        setting: setting.to_owned(),
+        figure: figure.to_owned(),
+        standard: mean(standard)?,
+        with_setting: mean(changed)?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_claim_holds_everywhere_somewhere_or_nowhere() {
+        assert_eq!(Holds::of([true, true]), Holds::Holds);
+        assert_eq!(Holds::of([true, false]), Holds::InPart);
+        assert_eq!(Holds::of([false]), Holds::DoesNot);
+        assert_eq!(Holds::of([]), Holds::DoesNot, "of nothing, nothing is shown");
+    }
+
+    #[test]
+    fn ranges_widen_away_from_one() {
+        let widened = Range::of([0.88, 0.96]).widened();
+        assert!((widened.least - 0.85).abs() < 1e-12 && (widened.most - 0.97).abs() < 1e-12);
+        let widened = Range::of([1.32, 1.2]).widened();
+        assert!((widened.least - 1.15).abs() < 1e-12 && (widened.most - 1.4).abs() < 1e-12);
+    }
+
+    #[test]
+    fn means_are_geometric() {
+        assert!((mean([1.0, 4.0]).expect("two") - 2.0).abs() < 1e-12);
+        assert_eq!(mean([0.0]), None);
+    }
+}

@@ -1,0 +1,159 @@
+//! Claims of step one of §4 and of Figure 3 and Table 1: working sets, memories and sizes.
+
+use super::{Cause, Claim, Evidence, Holds, cause, in_mb, mean, ranges};
+use crate::alternatives::{EIGHTH_MEMORY, HALF_MEMORY};
+use crate::figure3::Graph;
+use crate::table1::SceneRow;
+use crate::table2::HotSpot;
+use crate::tables::{MB, mb};
+use saarcor_model::time::Version;
+use saarcor_studies::walk::FrameRow;
+
+/// Bytes of a shading record that has all fields.
+const WHOLE_SHADING_RECORD: f64 = 92.0;
+
+pub(super) fn claims(evidence: Evidence<'_>) -> Vec<Claim> {
+    let Evidence { scenes, graphs, spots, .. } = evidence;
+    let walked = !graphs.is_empty();
+    let with_less = spots.iter().any(|spot| spot.with(EIGHTH_MEMORY, Version::A).is_some());
+    let sizes = (!scenes.is_empty()).then(|| bytes_a_triangle(scenes));
+    sizes
+        .into_iter()
+        .chain(walked.then(|| memories(graphs, spots)))
+        .chain(walked.then(|| eight_mb(graphs, spots)))
+        .chain(with_less.then(|| too_little(spots)))
+        .chain(walked.then(|| worst_case(graphs)))
+        .collect()
+}
+
+fn bytes_a_triangle(scenes: &[SceneRow]) -> Claim {
+    let ours = |row: &SceneRow| row.geometry_bytes as f64 / row.triangles.max(1) as f64;
+    let paper = |row: &SceneRow| (row.paper_geometry_mb * MB) as f64 / row.paper_triangles as f64;
+    let whole = |row: &SceneRow| {
+        let shading = row.regions.iter().find(|region| region.region == "shading")?;
+        Some(ours(row) - shading.bytes_a_triangle + WHOLE_SHADING_RECORD)
+    };
+    let numbers =
+        scenes.iter().map(|row| format!("{}: {:.0} (paper {:.0})", row.scene, ours(row), paper(row)));
+    let range = |of: &dyn Fn(&SceneRow) -> f64| {
+        let range = super::Range::of(scenes.iter().map(of));
+        format!("{:.0} to {:.0} bytes a triangle", range.least, range.most)
+    };
+    Claim {
+        id: "bytes-a-triangle",
+        section: "§4, Table 1",
+        claim: "The size of the geometry on hard disk.",
+        paper: range(&paper),
+        ours: format!("{} in host memory: what the chip reads", range(&ours)),
+        verdict: Holds::NotComparable,
+        cause: mean(scenes.iter().map(ours)).zip(mean(scenes.iter().filter_map(whole))).map(
+            |(standard, with_setting)| Cause {
+                setting: format!("shading records with all {WHOLE_SHADING_RECORD:.0} bytes"),
+                figure: "bytes a triangle".to_owned(),
+                standard,
+                with_setting,
+            },
+        ),
+        numbers: numbers.collect(),
+        open: "What the files hold: they are as large with as without textures and lights.",
+    }
+}
+
+fn peak(graph: &Graph) -> u64 {
+    graph.peak(|row| row.working_set_bytes).map_or(0, |row| row.working_set_bytes)
+}
+
+/// Bytes loaded in version A with a part of the memory, beside those with all of it.
+fn loaded(spot: &HotSpot, setting: &str) -> Option<(f64, f64)> {
+    Some((in_mb(spot.version_a.pci_bytes), in_mb(spot.with(setting, Version::A)?.pci_bytes)))
+}
+
+fn memories(graphs: &[Graph], spots: &[HotSpot]) -> Claim {
+    let numbers = graphs
+        .iter()
+        .map(|graph| format!("{}: {} of {} MB", graph.name, mb(peak(graph)), graph.memory_bytes / MB));
+    Claim {
+        id: "working-set-fits",
+        section: "§4, Figure 3",
+        claim: "The memories of Table 2 hold the working set: no frame of the walks touches more lines than they hold.",
+        paper: "8 MB pQuake3 and Sodahall, 32 MB Conference, 64 MB Cruiser".to_owned(),
+        ours: format!("largest: {} MB", mb(graphs.iter().map(peak).max().unwrap_or(0))),
+        verdict: Holds::of(graphs.iter().map(|graph| peak(graph) <= graph.memory_bytes)),
+        cause: cause(HALF_MEMORY, "MB loaded a frame, version A", spots, |spot| loaded(spot, HALF_MEMORY)),
+        numbers: numbers.collect(),
+        open: "",
+    }
+}
+
+fn eight_mb(graphs: &[Graph], spots: &[HotSpot]) -> Claim {
+    let fits = |graph: &Graph| peak(graph) <= 8 * MB;
+    let count = graphs.iter().filter(|graph| fits(graph)).count();
+    Claim {
+        id: "eight-mb-for-many",
+        section: "§4",
+        claim: "8 MB are sufficient for many scenes, 64 MB for extremely large ones: most walks fit 8 MB, and all 64 MB.",
+        paper: "2 of 4 scenes with 8 MB".to_owned(),
+        ours: format!("{count} of {} walks fit 8 MB", graphs.len()),
+        verdict: Holds::of([2 * count >= graphs.len(), graphs.iter().all(|graph| peak(graph) <= 64 * MB)]),
+        cause: cause(EIGHTH_MEMORY, "MB loaded a frame, version A", spots, |spot| {
+            loaded(spot, EIGHTH_MEMORY)
+        }),
+        numbers: graphs.iter().map(|graph| format!("{}: {} MB", graph.name, mb(peak(graph)))).collect(),
+        open: "",
+    }
+}
+
+fn too_little(spots: &[HotSpot]) -> Claim {
+    let more =
+        |spot: &HotSpot| loaded(spot, EIGHTH_MEMORY).map(|(all, part)| part / all.max(f64::MIN_POSITIVE));
+    let slower = |spot: &HotSpot| Some(spot.with(EIGHTH_MEMORY, Version::A)?.fps / spot.version_a.fps);
+    Claim {
+        id: "too-little-memory",
+        section: "§4",
+        claim: "Where the working set does not fit, lines are loaded again, which costs time: with an eighth of the memory a frame \
+                loads more.",
+        paper: "no figure: penalties are unavoidable".to_owned(),
+        ours: format!("{} times the bytes", ranges(spots, more).join("; ")),
+        verdict: Holds::of(spots.iter().filter_map(more).map(|more| more > 1.0)),
+        cause: cause(EIGHTH_MEMORY, "frames a second of version A", spots, |spot| {
+            Some((spot.version_a.fps, spot.with(EIGHTH_MEMORY, Version::A)?.fps))
+        }),
+        numbers: ranges(spots, slower).into_iter().map(|range| format!("speed: {range}")).collect(),
+        open: "",
+    }
+}
+
+fn worst_case(graphs: &[Graph]) -> Claim {
+    let median = |graph: &Graph, value: fn(&FrameRow) -> u64| {
+        let mut values: Vec<u64> = graph.frames.iter().map(value).collect();
+        values.sort_unstable();
+        values.get(values.len() / 2).copied().unwrap_or(0) as f64
+    };
+    let hot = |graph: &Graph, value: fn(&FrameRow) -> u64| {
+        let is_hot = |row: &&FrameRow| graph.hot_spots.iter().any(|spot| spot.frame as u64 == row.frame);
+        mean(graph.frames.iter().filter(is_hot).map(|row| value(row) as f64))
+    };
+    let working_set: fn(&FrameRow) -> u64 = |row| row.working_set_bytes;
+    let both = |graph: &Graph| Some((hot(graph, working_set)?, median(graph, working_set)));
+    let all: Vec<(&str, (f64, f64))> =
+        graphs.iter().filter_map(|graph| Some((graph.name.as_str(), both(graph)?))).collect();
+    let part = |(hot, median): (f64, f64)| median / hot;
+    Claim {
+        id: "hot-spots-are-worst",
+        section: "§4",
+        claim: "Results at hot spots are worst cases: the median frame of a walk touches less.",
+        paper: "no figure: much better elsewhere".to_owned(),
+        ours: format!("median / hot spots: {}", super::Range::of(all.iter().map(|(_, both)| part(*both)))),
+        verdict: Holds::of(all.iter().map(|(_, both)| part(*both) < 1.0)),
+        cause: mean(all.iter().map(|(_, both)| both.0)).zip(mean(all.iter().map(|(_, both)| both.1))).map(
+            |(standard, with_setting)| Cause {
+                setting: "the median frame in place of the hot spots".to_owned(),
+                figure: "MB of the working set".to_owned(),
+                standard: standard / MB as f64,
+                with_setting: with_setting / MB as f64,
+            },
+        ),
+        numbers: all.iter().map(|(name, both)| format!("{name}: {:.2}", part(*both))).collect(),
+        open: "",
+    }
+}
