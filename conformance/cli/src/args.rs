@@ -231,7 +231,7 @@ pub struct CacheArgs {
     #[arg(long, value_parser = choice(HASHES), default_value = name_of(HASHES, &Hash::default()))]
     hash: Hash,
     /// Which line of a full set gives way
-    #[arg(long, value_parser = choice(POLICIES), default_value = name_of(POLICIES, &Policy::default()))]
+    #[arg(long, value_parser = choice(POLICIES), default_value = name_of(POLICIES, &standard::POLICY))]
     policy: Policy,
 }
 

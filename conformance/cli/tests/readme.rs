@@ -46,10 +46,7 @@ use How::{Elsewhere, Here, WithoutKani};
 
 /// All of the README's commands, in its order.
 const COMMANDS: &[(&str, How)] = &[
-    (
-        "cargo run --release -- reproduce --quick",
-        Elsewhere(".ci/run", "cargo run -- reproduce --quick"),
-    ),
+    ("cargo run --release -- reproduce --quick", Elsewhere(".ci/run", "cargo run -- reproduce --quick")),
     ("cargo test --workspace", Elsewhere(".ci/run", "cargo test --workspace\n")),
     ("saarcor prove", Here("hash --cases 100", 0)),
     ("saarcor prove set --engine kani", WithoutKani),

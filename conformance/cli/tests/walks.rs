@@ -3,7 +3,8 @@
 mod common;
 
 use common::{room_arg, stdout_of};
-use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr, Policy};
+use saarcor_model::time::standard::POLICY;
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr};
 use saarcor_oracles::cache::NaiveCache;
 use serde_json::Value;
 
@@ -160,7 +161,7 @@ fn traces_hold_all_accesses_in_order() {
     let trace_of_din = trace("din", "0 ");
     assert_eq!(trace_of_din, trace("csv", "0x"));
     let geometry = Geometry::new(Bytes(2 << 10), Bytes(64), 4).expect("legal");
-    let config = CacheConfig { geometry, hash: Hash::default(), policy: Policy::default() };
+    let config = CacheConfig { geometry, hash: Hash::default(), policy: POLICY };
     let mut cache = NaiveCache::new(config);
     for addr in trace_of_din {
         cache.access(geometry.line_of(addr));

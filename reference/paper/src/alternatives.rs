@@ -39,10 +39,10 @@ pub const EMPTY: &str = "all caches empty when the frame begins";
 pub const EMPTY_AND_FAST_BUS: &str = "all caches empty, a bus of 64 bits at 66 MHz";
 /// First-level caches that hold nothing when the frame begins.
 pub const COLD_FIRST_LEVEL: &str = "first-level caches empty when the frame begins";
-/// A replacement policy whose bits a hit does not change.
-pub const FIFO: &str = "fifo: a hit writes no metadata";
-/// Metadata in larger pieces.
-pub const GRANULE_32: &str = "granules of 32 B";
+/// A replacement policy whose bits a hit changes.
+pub const LRU: &str = "lru: a hit writes metadata";
+/// Metadata in smaller pieces.
+pub const GRANULE_16: &str = "granules of 16 B";
 /// More banks.
 pub const BANKS_8: &str = "8 banks";
 /// Fewer threads.
@@ -172,8 +172,8 @@ fn each() -> Vec<Plan> {
         plan(EMPTY, A, Start::Empty, |_| ()),
         plan(EMPTY_AND_FAST_BUS, A, Start::Empty, fast_bus),
         plan(COLD_FIRST_LEVEL, NONE_AND_A, Start::ColdFirstLevel, |_| ()),
-        plan(FIFO, B, Start::Warm, |chip| chip.cache.policy = Policy::Fifo),
-        plan(GRANULE_32, B, Start::Warm, |chip| chip.metadata_cache.granule = 32),
+        plan(LRU, B, Start::Warm, |chip| chip.cache.policy = Policy::Lru),
+        plan(GRANULE_16, B, Start::Warm, |chip| chip.metadata_cache.granule = 16),
         plan(BANKS_8, NONE_AND_B, Start::Warm, |chip| chip.sdram.banks = 8),
     ]
 }

@@ -2,7 +2,7 @@ use saarcor_studies::StudyError;
 use std::path::PathBuf;
 
 /// A setting as it is written.
-const SETTING: &str = "\"granule=32 B,banks=8\"";
+const SETTING: &str = "\"granule=16 B,banks=8\"";
 
 /// Why a reproduction cannot be computed.
 #[derive(Debug, thiserror::Error)]

@@ -82,9 +82,7 @@ fn each_claim_has_figures_and_a_cause() {
         for (place, claim) in claims.iter().enumerate() {
             assert!(!ids[..place].contains(&claim.id), "{}", claim.id);
             assert!(!claim.ours.is_empty() && !claim.paper.is_empty(), "{}", claim.id);
-            // Only Sodahall has a run with a longer history.
-            let cause = claim.cause.is_some() || claim.id == "loaded-a-frame" && scene != Some("Sodahall");
-            assert!(cause, "{} of {scene:?}", claim.id);
+            assert!(claim.cause.is_some(), "{} of {scene:?}", claim.id);
         }
     }
 }

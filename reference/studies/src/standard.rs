@@ -4,9 +4,9 @@ use crate::error::StudyError;
 use saarcor_model::rays::Pipeline;
 use saarcor_model::time::standard::{self, CHIP_CACHE_WAYS};
 use saarcor_model::time::{ChipConfig, Version};
-use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy, Unit};
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Unit};
 
-pub use saarcor_model::time::standard::{LINE, MEMORY_OF, RESOLUTION, WAYS};
+pub use saarcor_model::time::standard::{LINE, MEMORY_OF, POLICY, RESOLUTION, WAYS};
 
 /// Reflections and refractions that may follow one another.
 pub const MAX_BOUNCES: u32 = Pipeline::<1>::STANDARD_BOUNCES;
@@ -42,7 +42,7 @@ pub fn triangle_cache(scene: &str) -> Bytes {
 /// If the standard sizes do not make a cache.
 pub fn cache(scene: &str) -> Result<CacheConfig, StudyError> {
     let geometry = Geometry::new(memory(scene), LINE, WAYS)?;
-    Ok(CacheConfig { geometry, hash: Hash::default(), policy: Policy::default() })
+    Ok(CacheConfig { geometry, hash: Hash::default(), policy: standard::POLICY })
 }
 
 /// The standard chip for a scene.

@@ -49,7 +49,7 @@ pub struct Args {
     /// Varies these numbers alone, and no pairs
     #[arg(long, value_name = "NAME,...", requires = "sensitivity", value_delimiter = ',', value_parser = numbers())]
     over: Vec<String>,
-    /// Several values at a time, such as "granule=32 B,banks=8"; may be given more than once
+    /// Several values at a time, such as "granule=16 B,banks=8"; may be given more than once
     #[arg(long, value_name = "SETTING", requires = "sensitivity")]
     combine: Vec<Setting>,
     /// Prints all figures as one JSON object

@@ -19,11 +19,14 @@ const KEYS: &str = "pipelines threads \
     clock beat banks row cl rcd rp ras rc rrd wr refresh rfc \
     pci-setup pci-beat pci-clock triangles tolerance";
 
-/// The standard chip (CH-2, CH-3, CH-17, SD-1 to SD-5, PC-1): every key with its value, in order.
+/// The chip of a session that names nothing else (CH-2, CH-3, CH-17, SD-1 to SD-5, PC-1): every key with its value, in
+/// order. It is the standard chip but for its policy and its granules: with LRU a hit writes metadata too, and with
+/// granules of 16 bytes a set has two of them, so that more can go wrong.
 pub static STANDARD: LazyLock<String> = LazyLock::new(|| {
     let geometry = Geometry::new(standard::MEMORY, standard::LINE, standard::WAYS).expect("the paper's");
-    let cache = CacheConfig { geometry, hash: Hash::default(), policy: Policy::default() };
-    let chip = ChipConfig::standard(Version::A, cache);
+    let cache = CacheConfig { geometry, hash: Hash::default(), policy: Policy::Lru };
+    let mut chip = ChipConfig::standard(Version::A, cache);
+    chip.metadata_cache.granule = 16;
     let mut setting =
         Setting { chip, meta_sets: chip.metadata_cache.sets(), triangles: HostAddr(0), tolerance: 0 };
     keys().map(|key| format!("{key}={}", setting.value(key))).collect::<Vec<_>>().join(" ")

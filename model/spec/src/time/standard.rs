@@ -4,7 +4,7 @@
 //! shading, traversal, list, intersection.
 
 use crate::host::{LIST_ENTRY_BYTES, NODE_BYTES, TRIANGLE_BYTES};
-use crate::vm::{Bytes, FIRST_LEVEL_WAYS};
+use crate::vm::{Bytes, FIRST_LEVEL_WAYS, Policy};
 
 // The chip.
 
@@ -41,8 +41,8 @@ pub const FIRST_LEVEL_LATENCY: u32 = 2;
 pub const FIRST_LEVEL_MSHRS: u32 = 16;
 /// Bytes of version B's metadata cache (§4, Stated).
 pub const METADATA_CACHE_BYTES: u32 = 64 << 10;
-/// Bytes of metadata that are read and written back together (CH-17, Assumed).
-pub const GRANULE: u32 = 16;
+/// Bytes of metadata that are read and written back together (CH-17, Assumed: a set of 4 ways takes 20 bytes).
+pub const GRANULE: u32 = 32;
 
 /// Sets of the first-level cache of a unit (Derived).
 pub const fn first_level_sets(unit: usize) -> u32 {
@@ -55,6 +55,9 @@ pub const fn first_level_sets(unit: usize) -> u32 {
 pub const LINE: Bytes = Bytes(128);
 /// Lines a set, found to work well (§3, Stated).
 pub const WAYS: u32 = 4;
+/// Which line of a full set is evicted (VM-6, Assumed: §3 has "several bits for managing purposes" and names no
+/// policy). By FIFO a hit changes no metadata, so that version B writes none back for it.
+pub const POLICY: Policy = Policy::Fifo;
 /// On-board memory of a scene that is none of the paper's: the least that Table 2 uses (Assumed).
 pub const MEMORY: Bytes = Bytes(8 << 20);
 /// On-board memory by family of scenes (Table 2's caption, Stated).

@@ -2,7 +2,7 @@
 
 use super::{Cause, Claim, Evidence, Holds, Range, cause, families, in_mb, mean, ranges};
 use crate::alternatives::{
-    BANKS_8, COLD_FIRST_LEVEL, EMPTY, EMPTY_AND_FAST_BUS, FAST_BUS, FAST_MEMORY, FIFO, GRANULE_32,
+    BANKS_8, COLD_FIRST_LEVEL, EMPTY, EMPTY_AND_FAST_BUS, FAST_BUS, FAST_MEMORY, GRANULE_16, LRU,
     SHALLOW_TREE, SMALL_TRIANGLE_CACHE, TEN_FRAMES,
 };
 use crate::table2::{HotSpot, Shape};
@@ -96,7 +96,7 @@ fn b_little_slower(spots: &[HotSpot]) -> Claim {
     };
     let printed = mean(spots.iter().filter_map(|spot| Some(Shape::printed(spot.paper.as_ref()?).speed_b)));
     numbers.extend(printed.map(|printed| format!("geometric mean of the paper's rows: {printed:.3}")));
-    let causes: Vec<Cause> = [FIFO, GRANULE_32, BANKS_8].into_iter().filter_map(with).collect();
+    let causes: Vec<Cause> = [LRU, GRANULE_16, BANKS_8].into_iter().filter_map(with).collect();
     numbers.extend(causes.iter().map(ToString::to_string));
     let most = |cause: &Cause| (cause.with_setting / cause.standard).ln().abs();
     Claim {
@@ -145,7 +145,7 @@ fn mem_b_over_a(spots: &[HotSpot]) -> Claim {
     let Relation { paper, ours, verdict, numbers } = relation(spots, |shape| shape.memory_b);
     let both = |spot: &HotSpot| {
         let a = spot.version_a.mem_bytes.max(1) as f64;
-        Some((spot.version_b.mem_bytes as f64 / a, spot.with(GRANULE_32, Version::B)?.mem_bytes as f64 / a))
+        Some((spot.version_b.mem_bytes as f64 / a, spot.with(GRANULE_16, Version::B)?.mem_bytes as f64 / a))
     };
     Claim {
         id: "mem-b-over-a",
@@ -154,7 +154,7 @@ fn mem_b_over_a(spots: &[HotSpot]) -> Claim {
         paper,
         ours,
         verdict,
-        cause: cause(GRANULE_32, "Mem B / Mem A", spots, both),
+        cause: cause(GRANULE_16, "Mem B / Mem A", spots, both),
         numbers,
         open: "What the metadata cache reads at a time.",
     }
@@ -222,6 +222,9 @@ fn loaded(spots: &[HotSpot]) -> Claim {
         factor(spots, |spot, paper| loaded(&spot.version_a) / paper.version_a.pci_mb);
     let paper = Range::of(table2().iter().map(|row| row.version_a.pci_mb));
     let sodahall = spots.iter().filter(|spot| spot.family() == "Sodahall");
+    let with = |setting: &'static str| {
+        move |spot: &HotSpot| Some((loaded(&spot.version_a), loaded(spot.with(setting, Version::A)?)))
+    };
     Claim {
         id: "loaded-a-frame",
         section: "Table 2",
@@ -229,9 +232,8 @@ fn loaded(spots: &[HotSpot]) -> Claim {
         paper: paper.to_string(),
         ours,
         verdict,
-        cause: cause(TEN_FRAMES, "MB loaded a frame of Sodahall, version A", sodahall, |spot| {
-            Some((loaded(&spot.version_a), loaded(spot.with(TEN_FRAMES, Version::A)?)))
-        }),
+        cause: cause(TEN_FRAMES, "MB loaded a frame of Sodahall, version A", sodahall, with(TEN_FRAMES))
+            .or_else(|| cause(EMPTY, "MB loaded a frame, version A", spots, with(EMPTY))),
         numbers,
         open: "The path of the camera and how many frames were simulated before a hot spot.",
     }

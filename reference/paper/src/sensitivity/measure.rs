@@ -353,14 +353,14 @@ mod tests {
 
     #[test]
     fn settings_are_read_as_they_are_written() {
-        let both: Setting = "granule=32 B,banks=8".parse().expect("a setting");
-        assert_eq!(both.to_string(), "granule=32 B,banks=8");
+        let both: Setting = "granule=16 B,banks=8".parse().expect("a setting");
+        assert_eq!(both.to_string(), "granule=16 B,banks=8");
         assert_eq!(both.numbers(), ["granule", "banks"]);
         let chip = both.chip("conference", Version::B).expect("a chip");
-        assert_eq!((chip.metadata_cache.granule, chip.sdram.banks), (32, 8));
+        assert_eq!((chip.metadata_cache.granule, chip.sdram.banks), (16, 8));
         for wrong in ["", "granule", "granule=33 B", "banks=8,banks=16", "banks=8,"] {
             let said = wrong.parse::<Setting>().expect_err("refused").to_string();
-            assert!(said.contains("granule=32 B,banks=8"), "{said}");
+            assert!(said.contains("granule=16 B,banks=8"), "{said}");
         }
     }
 }

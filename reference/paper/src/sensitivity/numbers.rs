@@ -67,20 +67,20 @@ pub const NUMBERS: &[AssumedNumber] = &[
     AssumedNumber {
         name: "granule",
         id: "CH-17",
-        default: "16 B",
+        default: "32 B",
         text: "§4: a 4-way set-associative cache of 64 KB for metadata; what it reads at a time is not named",
         values: &[
-            chip("32 B", |chip| chip.metadata_cache.granule = 32),
+            chip("16 B", |chip| chip.metadata_cache.granule = 16),
             chip("64 B", |chip| chip.metadata_cache.granule = 64),
         ],
     },
     AssumedNumber {
         name: "policy",
         id: "VM-6",
-        default: "lru",
+        default: "fifo",
         text: "§3: several bits for managing purposes",
         values: &[
-            chip("fifo", |chip| chip.cache.policy = Policy::Fifo),
+            chip("lru", |chip| chip.cache.policy = Policy::Lru),
             chip("plru", |chip| chip.cache.policy = Policy::Plru),
         ],
     },
