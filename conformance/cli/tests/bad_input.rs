@@ -215,6 +215,42 @@ fn reproduction_without_the_real_scenes() {
     assert_is_empty(&out);
 }
 
+#[test]
+fn reproduction_of_a_scene_that_is_none() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("text").to_owned();
+    let (out, room) = (at("out"), room_arg());
+    let of = |scene: &str, more: &[&str], parts: &[&str]| {
+        refuses(&[&["reproduce", "--quick", "--scene", scene, "--out", &out], more].concat(), parts);
+    };
+    of(&at("none.obj"), &[], &["none.obj"]);
+    of("pquake", &[], &["pquake3"]);
+    of(&room, &["--path", &at("none.csv")], &["none.csv"]);
+    of(&room, &["--memory", "3MiB"], &["3145728", "power of two"]);
+    of(&room, &["--memory", "4GiB", "--scenes", "."], &["--scenes", "--scene"]);
+    refuses(&["reproduce", "--memory", "8MiB"], &["--scene"]);
+    assert!(!Path::new(&out).exists() || Path::new(&out).read_dir().expect("a folder").count() == 0);
+}
+
+#[test]
+fn sensitivity_to_what_is_no_assumed_number() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let out = out.to_str().expect("text");
+    let of = |more: &[&str], parts: &[&str]| {
+        refuses(&[&["reproduce", "--quick", "--sensitivity", "--out", out], more].concat(), parts);
+    };
+    of(&["--over", "granules"], &["granules", "granule"]);
+    of(&["--combine", "granule=17 B"], &["granule=17 B", "banks=8"]);
+    refuses(&["reproduce", "--over", "granule"], &["--sensitivity"]);
+    assert_is_empty(folder.path());
+    std::fs::create_dir(out).expect("a folder");
+    let kept = Path::new(out).join("sensitivity.jsonl");
+    std::fs::write(&kept, "frame,cycles\n").expect("written");
+    of(&[], &["sensitivity.jsonl", "line 1", "another folder"]);
+    assert_eq!(std::fs::read_to_string(&kept).expect("text"), "frame,cycles\n");
+}
+
 /// A reader that goes away early, as `head -1` does, has seen enough.
 #[cfg(unix)]
 #[test]

@@ -229,9 +229,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn standard_is_the_models() {
-        let setting = parse("").expect("the standard chip");
-        assert_eq!(setting.chip, ChipConfig::standard(Version::A, setting.chip.cache));
+    fn standard_is_the_models_but_for_policy_and_granules() {
+        let setting = parse("").expect("a chip");
+        let mut standard = ChipConfig::standard(Version::A, setting.chip.cache);
+        standard.metadata_cache.granule = 16;
+        assert_eq!((setting.chip, setting.chip.cache.policy), (standard, Policy::Lru));
         assert_eq!((text(&setting).as_str(), parse(&STANDARD).ok()), ("version=a", Some(setting)));
         assert!(
             include_str!("../../../PROTOCOL.md")
