@@ -240,7 +240,7 @@ mod tests {
         for claim in &report.claims {
             assert!(page.contains(&escaped(claim.claim)) && page.contains(&escaped(&claim.ours)));
             assert!(claim.numbers.iter().all(|number| page.contains(&escaped(number))));
-            let cause = claim.cause.as_ref().expect("each has one");
+            let cause = claim.cause.as_ref().unwrap_or_else(|| panic!("{} has no cause", claim.id));
             assert!(page.contains(&escaped(&cause.to_string())), "{}", claim.id);
         }
         assert!(page.contains("room 1") && page.contains("room 2"));

@@ -22,8 +22,10 @@ pub(super) fn claims(evidence: Evidence<'_>) -> Vec<Claim> {
     let of_paper = spots.iter().any(|spot| spot.paper.is_some());
     let conference = spots.iter().any(|spot| spot.family() == "Conference");
     let cruiser = spots.iter().any(|spot| spot.family() == "Cruiser");
-    let all = [a_hardly_slower(spots), b_little_slower(spots), loaded_once(spots), mem_b_over_a(spots)];
-    all.into_iter()
+    [a_hardly_slower(spots), b_little_slower(spots)]
+        .into_iter()
+        .chain(loaded_once(spots))
+        .chain([mem_b_over_a(spots)])
         .chain([fast_bus(spots, cuts)])
         .chain(of_paper.then(|| frames_a_second(spots)))
         .chain(of_paper.then(|| loaded(spots)))
@@ -115,7 +117,8 @@ fn b_little_slower(spots: &[HotSpot]) -> Claim {
 /// Rows that load less than this are too small to show where the bytes go.
 const WORTH_COUNTING_MB: f64 = 0.05;
 
-fn loaded_once(spots: &[HotSpot]) -> Claim {
+/// None where no row loads enough.
+fn loaded_once(spots: &[HotSpot]) -> Option<Claim> {
     let counts = |spot: &&HotSpot| spot.version_a.pci_bytes as f64 > WORTH_COUNTING_MB * MB as f64;
     let filled = |spot: &HotSpot| Shape::ours(spot).filled;
     let both = |spot: &HotSpot| {
@@ -127,7 +130,8 @@ fn loaded_once(spots: &[HotSpot]) -> Claim {
         table2().iter().filter(|row| row.version_a.pci_mb >= 0.5).map(|row| Shape::printed(row).filled),
     );
     let ours = || spots.iter().filter(counts);
-    Claim {
+    ours().next()?;
+    Some(Claim {
         id: "loaded-once",
         section: "Table 2",
         claim: "What is loaded reaches the on-board memory once: (Mem A - Mem no VM) / PCI is 1, within 10 %.",
@@ -138,7 +142,7 @@ fn loaded_once(spots: &[HotSpot]) -> Claim {
         numbers: ranges(ours(), |spot| Some(filled(spot))),
         open: "Packets meet in another order with virtual memory, so first-level caches load more or less. The paper prints one \
                decimal of Mem.",
-    }
+    })
 }
 
 fn mem_b_over_a(spots: &[HotSpot]) -> Claim {

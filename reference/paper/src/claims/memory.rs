@@ -123,10 +123,8 @@ fn longer_lines(spots: &[HotSpot]) -> Claim {
         .iter()
         .filter_map(|(name, runs)| Some((name.clone(), of(runs, 1024)? / of(runs, standard::LINE.0)?)))
         .collect();
-    let loaded = |line: u64| {
-        let loaded = frames.iter().flat_map(|(_, runs)| runs).filter(|(size, _)| *size == line);
-        mean(loaded.map(|(_, run)| run.pci_bytes as f64 / run.l2_accesses.max(1) as f64))
-    };
+    let loaded = |spot: &HotSpot, line| Some(in_mb(spot.with(&lines(line), Version::A)?.pci_bytes));
+    let both = |spot: &HotSpot| Some((loaded(spot, standard::LINE.0)?, loaded(spot, 1024)?));
     Claim {
         id: "longer-lines",
         section: "§3",
@@ -134,12 +132,7 @@ fn longer_lines(spots: &[HotSpot]) -> Claim {
         paper: "no figure".to_owned(),
         ours: super::Range::of(slower.iter().map(|(_, slower)| *slower)).to_string(),
         verdict: Holds::of(slower.iter().map(|(_, slower)| *slower > 1.0)),
-        cause: loaded(standard::LINE.0).zip(loaded(1024)).map(|(standard, with_setting)| Cause {
-            setting: lines(1024),
-            figure: "bytes loaded for each request to the virtual memory".to_owned(),
-            standard,
-            with_setting,
-        }),
+        cause: cause(&lines(1024), "MB loaded a frame, version A", spots, both),
         numbers: slower
             .iter()
             .map(|(name, slower)| format!("{name}: {slower:.3} times the cycles"))

@@ -184,20 +184,23 @@ fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     (!logs.is_empty()).then(|| (logs.iter().sum::<f64>() / logs.len() as f64).exp())
 }
 
-/// A figure of the rows that have it with and without a setting: its geometric mean over them.
+/// A figure of the rows that have it with and without a setting: its geometric mean over those in which both are more
+/// than 0; where there are none, the arithmetic mean.
 fn cause<'a>(
     setting: &str,
     figure: &str,
     spots: impl IntoIterator<Item = &'a HotSpot>,
     both: impl Fn(&HotSpot) -> Option<(f64, f64)>,
 ) -> Option<Cause> {
-    let (standard, changed): (Vec<f64>, Vec<f64>) = spots.into_iter().filter_map(both).unzip();
-    Some(Cause {
-        setting: setting.to_owned(),
-        figure: figure.to_owned(),
-        standard: mean(standard)?,
-        with_setting: mean(changed)?,
-    })
+    let all: Vec<(f64, f64)> = spots.into_iter().filter_map(both).collect();
+    let (standard, changed): (Vec<f64>, Vec<f64>) =
+        all.iter().copied().filter(|(standard, changed)| *standard > 0.0 && *changed > 0.0).unzip();
+    let geometric = mean(standard).zip(mean(changed));
+    let count = all.len() as f64;
+    let sums = all.iter().fold((0.0, 0.0), |sums, both| (sums.0 + both.0, sums.1 + both.1));
+    let arithmetic = (!all.is_empty()).then_some((sums.0 / count, sums.1 / count));
+    let (standard, with_setting) = geometric.or(arithmetic)?;
+    Some(Cause { setting: setting.to_owned(), figure: figure.to_owned(), standard, with_setting })
 }
 
 #[cfg(test)]
