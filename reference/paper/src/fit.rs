@@ -196,7 +196,7 @@ pub(crate) fn bootstrap<T>(groups: &[Vec<T>], statistic: impl Fn(&[&T]) -> f64) 
     let mut drawn: Vec<f64> = (0..DRAWS)
         .map(|_| {
             let group = |_| &groups[random.below(groups.len() as u64) as usize];
-            let drawn: Vec<&T> = (0..groups.len()).map(group).flatten().collect();
+            let drawn: Vec<&T> = (0..groups.len()).flat_map(group).collect();
             statistic(&drawn)
         })
         .collect();

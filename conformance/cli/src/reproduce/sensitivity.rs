@@ -130,7 +130,7 @@ mod tests {
         writeln!(file, "{line}").expect("written");
         assert_eq!(open(&path).expect("opened").0.len(), 2);
         fs::write(&path, "frame,cycles\n").expect("written");
-        let said = format!("{:#}", open(&path).err().expect("refused"));
+        let said = format!("{:#}", open(&path).expect_err("refused"));
         assert!(said.contains("line 1: no measured row; name another folder"), "{said}");
     }
 }
