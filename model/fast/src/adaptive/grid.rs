@@ -175,6 +175,41 @@ mod tests {
         }
     }
 
+    /// On the plane x + y + 2^-21 z = 1, which the ray meets at 1 / (1 + 2^-60): in f64 that is 1.
+    #[test]
+    fn a_distance_that_rounds_to_the_bound_is_left_in_doubt() {
+        let direction = Vec3::new(0.5, 0.5, 2.0_f32.powi(-39));
+        let ray = Ray { origin: Vec3::ZERO, direction, t_min: 0.0, t_max: f32::INFINITY };
+        let corners = [Vec3::X, Vec3::Y, Vec3::Z * 2.0_f32.powi(21)];
+        let grid = Grid::new(&ray, &corners).expect("on the grid");
+        let volumes = grid.volumes(&corners).expect("on the grid");
+        assert!(volumes.are_inside() && volumes.point()[0] == 1.0);
+        let error = 2.0 * f64::EPSILON;
+        assert_eq!(volumes.distance_to(1.0, error), None);
+        assert_eq!(volumes.distance_to(1.0_f32.next_down(), error), Some(Ordering::Greater));
+        assert_eq!(volumes.distance_to(1.0_f32.next_up(), error), Some(Ordering::Less));
+        assert_eq!(volumes.distance_to(0.0, error), Some(Ordering::Greater));
+    }
+
+    #[test]
+    fn distances_are_in_order_on_both_sides_of_the_origin() {
+        let at = |distance: f32| [Vec3::X, Vec3::Y, Vec3::NEG_ONE].map(|p| Vec3 { z: distance, ..p });
+        let distances = [-3.0, -1.0, 0.0, 2.0, 5.0];
+        let planes = distances.map(at);
+        // From either side, so that sums have either sign.
+        for direction in [Vec3::Z, Vec3::NEG_Z] {
+            let ray = Ray { origin: Vec3::ZERO, direction, t_min: 0.0, t_max: f32::INFINITY };
+            let grid = Grid::new(&ray, planes.as_flattened()).expect("on the grid");
+            let volumes = planes.map(|corners| grid.volumes(&corners).expect("on the grid"));
+            for (a, at_a) in volumes.iter().zip(distances) {
+                for (b, at_b) in volumes.iter().zip(distances) {
+                    let order = (at_a * direction.z).partial_cmp(&(at_b * direction.z));
+                    assert_eq!(Some(a.order(b)), order, "{at_a} and {at_b} along {direction}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn numbers_off_the_grid_are_detected() {
         let ray = Ray { origin: Vec3::ZERO, direction: Vec3::Z, t_min: 0.0, t_max: 1.0 };

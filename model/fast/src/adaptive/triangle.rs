@@ -326,6 +326,24 @@ impl AdaptiveHit<'_> {
 mod tests {
     use super::*;
 
+    #[test]
+    fn numbers_are_rounded_by_the_roundoff_at_most() {
+        assert!(1.0 + UNIT == 1.0 && 1.0 + UNIT.next_up() > 1.0);
+    }
+
+    #[test]
+    fn a_ray_far_beside_a_triangle_passes_it_for_certain() {
+        let triangle = AdaptiveTriangle::new(&[Vec3::ZERO, Vec3::X, Vec3::Y]);
+        let at = |x, y| {
+            let origin = Vec3::new(x, y, -1.0);
+            let ray = Ray { origin, direction: Vec3::Z, t_min: 0.0, t_max: f32::INFINITY };
+            triangle.estimate(&AdaptiveRay::new(&ray))
+        };
+        assert!([(-1.0, 0.5), (0.5, -1.0), (1.0, 1.0)].iter().all(|&(x, y)| at(x, y).is_outside()));
+        // Within, and at an edge.
+        assert!(!at(0.25, 0.25).is_outside() && !at(0.5, 0.5).is_outside());
+    }
+
     /// Far from the origin of the coordinates the fast test knows a small distance badly.
     #[test]
     fn distances_are_known_to_an_f32() {
@@ -342,5 +360,103 @@ mod tests {
         assert!(fast.margin > fast.weight_error && error > known(f64::from(ahead)), "{fast:?}");
         let hit = triangle.intersect(&ray).expect("inside");
         assert!(hit.t == f64::from(ahead) && hit.t_error <= known(hit.t), "{hit:?}");
+    }
+
+    /// So it is on both sides of where the fast test begins to know it well enough.
+    #[test]
+    fn every_distance_of_a_hit_is_known_to_half_of_the_last_place() {
+        let origin = Vec3::new(4096.0, -8192.0, 1024.0);
+        let (mut fast, mut exactly) = (0, 0);
+        for step in 0..200 {
+            let ahead = 2.0_f32.powi(-20 + step / 10) * (1.0 + 0.1 * (step % 10) as f32);
+            let corners = [[ahead, -9.0, -9.0], [ahead, 18.0, -9.0], [ahead, 0.0, 18.0]];
+            let triangle = AdaptiveTriangle::new(&corners.map(|p| origin + Vec3::from(p)));
+            let direction = Vec3::new(1.0, 0.25, 0.125);
+            let ray = AdaptiveRay::new(&Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY });
+            let Some(hit) = triangle.intersect(&ray) else { continue };
+            assert!(hit.t_error <= hit.t * f64::from(f32::EPSILON / 2.0), "{hit:?}");
+            if hit.t_error <= exact_error(hit.t) { exactly += 1 } else { fast += 1 }
+        }
+        assert!(fast > 20 && exactly > 20, "{fast} by the fast test, {exactly} exactly");
+    }
+
+    /// Numbers from -1 to 1 that look random: Knuth's linear congruential generator (MMIX).
+    fn numbers() -> impl FnMut() -> f32 {
+        let mut state = 1_u64;
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 * 2.0_f32.powi(-23) - 1.0
+        }
+    }
+
+    /// Along a sliver, which a ray meets at a small angle and far from its first corner, and with directions short and
+    /// long, a distance is off by much more than it would be otherwise.
+    #[test]
+    fn no_distance_is_off_by_more_than_its_bound() {
+        let mut number = numbers();
+        let mut point = |size: f32| Vec3::new(number(), number(), number()) * size;
+        let (mut fast, mut worst) = (0, 0.0_f64);
+        for round in 0..20_000 {
+            let a = point(1.0);
+            let corners = [a, a + point(1.0), a + point(1.0e4)];
+            let aim = corners[0] * 0.3 + corners[1] * 0.1 + corners[2] * 0.6;
+            let origin = a + point(1.0);
+            let direction = (aim - origin) * 2.0_f32.powi([-20, -10, 0, 10, 20][round % 5]);
+            let ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
+            let triangle = AdaptiveTriangle::new(&corners);
+            let Some(hit) = triangle.intersect(&AdaptiveRay::new(&ray)) else { continue };
+            let volumes = Volumes::new(&ray, &corners).filter(Volumes::are_inside).expect("a hit");
+            let [t, ..] = volumes.point();
+            // What is taken for the truth is rounded, too.
+            let allowed = hit.t_error + exact_error(t);
+            assert!((hit.t - t).abs() <= allowed, "{ray:?} and {corners:?}: {t}, {hit:?}");
+            fast += i32::from(hit.t_error > exact_error(hit.t));
+            worst = worst.max((hit.t - t).abs() / t / f64::EPSILON);
+        }
+        assert!(fast > 1000 && worst > 100.0, "{fast} by the fast test, off by up to {worst} units");
+    }
+
+    /// Two triangles meet at an edge, and a ray goes through its middle: computed from each of them, the distance is
+    /// rounded otherwise.
+    #[test]
+    fn triangles_that_share_an_edge_are_hit_there_at_the_same_distance() {
+        let mut number = numbers();
+        let mut point = || (Vec3::new(number(), number(), number()) * 2.0_f32.powi(19)).round() * 2.0;
+        let mut differ = 0;
+        for round in 0..2_000 {
+            let [p, q, c, d, from] = std::array::from_fn(|_| point());
+            let middle = (p + q) / 2.0;
+            // At a third of a power of two, or at 0.
+            let step = 2.0_f32.powi([-10, 0, 10][round % 3]);
+            let origin = if round % 4 == 0 { middle } else { from };
+            let direction = (middle - from) * 3.0 / step;
+            let ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
+            let triangles = [[p, q, c], [d, p, q]].map(|corners| AdaptiveTriangle::new(&corners));
+            let ray_at_hand = AdaptiveRay::new(&ray);
+            let [a, b] =
+                [0, 1].map(|number| triangles[number].intersect(&ray_at_hand).expect("through the edge"));
+            assert_eq!(
+                (a.order(&b, &ray), b.order(&a, &ray)),
+                (Ordering::Equal, Ordering::Equal),
+                "{a:?}, {b:?}"
+            );
+            differ += i32::from(a.t != b.t);
+        }
+        assert!(differ > 100, "{differ} pairs are rounded otherwise");
+    }
+
+    #[test]
+    fn the_nearer_of_two_triangles_is_hit_first() {
+        let ray = Ray { origin: Vec3::ZERO, direction: Vec3::Z, t_min: 0.0, t_max: f32::INFINITY };
+        let at = |distance: f32| {
+            let corner = |x, y| Vec3::new(x, y, distance);
+            AdaptiveTriangle::new(&[corner(-1.0, -1.0), corner(2.0, -1.0), corner(0.0, 2.0)])
+        };
+        // One unit in the last place apart, and far apart.
+        for (near, far) in [(1.0, 1.0_f32.next_up()), (0.5, 1.0), (3.0, 1000.0)] {
+            let (near, far) = (at(near), at(far));
+            let [near, far] = [&near, &far].map(|it| it.intersect(&AdaptiveRay::new(&ray)).expect("inside"));
+            assert_eq!((near.order(&far, &ray), far.order(&near, &ray)), (Ordering::Less, Ordering::Greater));
+        }
     }
 }
