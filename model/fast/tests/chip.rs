@@ -185,6 +185,29 @@ fn look_ups_without_time_are_those_of_one_thread() {
     }
 }
 
+#[test]
+fn units_without_work_are_idle() {
+    let programs = scattered(8, 10, Unit::Traversal, 8);
+    let config = standard(Version::A);
+    let report = simulate(&[], &programs, &config).expect("a chip");
+    let all = report.cycles * u64::from(config.pipelines);
+    for unit in [Unit::Shading, Unit::List, Unit::Intersection] {
+        let of_unit = report.units[unit as usize];
+        assert_eq!((of_unit.idle, of_unit.busy, of_unit.stalled()), (all, 0, 0), "{unit:?}");
+    }
+    assert!(report.units[Unit::Traversal as usize].stalled() > 0);
+}
+
+/// A first-level cache counts its lines in flight by their lowest bits, which are the same here: those that have arrived
+/// count no more.
+#[test]
+fn lines_that_are_alike_in_their_lowest_bits_come_and_go() {
+    let line = |number: u32| operation(Unit::Traversal, 8 * 256 * number, 8, 1);
+    let programs = Programs { packets: vec![(0..1000).map(line).collect()], triangles: HostAddr(0) };
+    let report = simulate(&[], &programs, &standard(Version::None)).expect("a chip");
+    assert_eq!(report.l1[Unit::Traversal as usize], CacheReport { accesses: 1000, merged: 0, misses: 1000 });
+}
+
 /// The whole chip without virtual memory meets the plateau of its memory chips.
 #[test]
 fn random_triangles_saturate_the_memory() {

@@ -53,3 +53,47 @@ impl Wheel {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    /// Against a map by cycles, over many turns of the wheel, with gaps of all lengths.
+    #[test]
+    fn every_event_is_found_in_its_cycle_and_nothing_before_it() {
+        const NUMBERS: usize = 8;
+        let mut wheel = Wheel::new(NUMBERS);
+        let mut expected = BTreeMap::<u64, Vec<u32>>::new();
+        // Numbers that look random: Knuth's linear congruential generator (MMIX).
+        let mut state = 1_u64;
+        let mut below = |end: u64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) % end
+        };
+        let mut free: Vec<u32> = (0..NUMBERS as u32).collect();
+        let mut now = 0;
+        for _ in 0..5_000 {
+            for _ in 0..below(free.len() as u64 + 1) {
+                let reach = [2, 70, 300, WHEEL as u64 - 1][below(4) as usize];
+                let (cycle, number) = (now + 1 + below(reach), free.pop().expect("one is free"));
+                wheel.insert(cycle, number);
+                expected.entry(cycle).or_default().push(number);
+            }
+            let next = expected.pop_first();
+            assert_eq!(wheel.upcoming(now + 1), next.as_ref().map(|&(cycle, _)| cycle), "after {now}");
+            let Some((cycle, mut numbers)) = next else { continue };
+            now = cycle;
+            let mut taken = Vec::new();
+            let mut number = wheel.take(now);
+            while number != NONE {
+                taken.push(number);
+                number = wheel.next[number as usize];
+            }
+            free.extend(&taken);
+            taken.sort_unstable();
+            numbers.sort_unstable();
+            assert_eq!(taken, numbers, "in cycle {now}");
+        }
+    }
+}
