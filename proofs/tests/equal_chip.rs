@@ -265,6 +265,35 @@ proptest! {
     }
 }
 
+/// Of each number of ways and of each granule there is a chip of its own in the specification, and of each number of ways
+/// in its twin.
+#[test]
+fn chips_of_all_ways_and_granules_are_the_specifications() {
+    // Lines of one set, more than it has ways, and lines of other sets, whose metadata lie in other granules.
+    let line =
+        |number: u32| Operation { addr: HostAddr(64 * number), bytes: 8, rays: 1, unit: Unit::Traversal };
+    let lines = (0..40).map(|number| 64 * (number % 20)).chain((0..64).map(|number| 97 * number % 4096));
+    let packets = vec![lines.map(line).collect::<Program>()];
+    let programs = Programs { packets, triangles: HostAddr(0) };
+    let fast_bus = PciConfig { setup: 0, beat_bytes: 64, cycles_a_beat: 1 };
+    for ways in [1, 2, 4, 8, 16] {
+        let geometry = Geometry::new(Bytes(64 * 64 * u64::from(ways)), Bytes(64), ways).expect("legal");
+        let cache = CacheConfig { geometry, hash: Hash::Low, policy: Policy::Lru };
+        let config = |version| ChipConfig { pci: fast_bus, ..ChipConfig::standard(version, cache) };
+        let granules = (3..=12).map(|bits| MetadataCacheConfig { bytes: 4 << bits, granule: 1 << bits });
+        let version_b = granules.map(|metadata_cache| ChipConfig { metadata_cache, ..config(Version::B) });
+        for config in [config(Version::None), config(Version::A)].into_iter().chain(version_b) {
+            let fast = saarcor_fast::chip::simulate(&[], &programs, &config).expect("a chip");
+            let specified = saarcor_model::time::simulate(&[], &programs, &config).expect("a chip");
+            assert_eq!(fast, specified, "{ways} ways, {:?}, {:?}", config.version, config.metadata_cache);
+            if config.version == Version::B {
+                let granule = u64::from(config.metadata_cache.granule.max(config.sdram.beat_bytes));
+                assert!(fast.metadata_read_bytes > 0 && fast.metadata_read_bytes.is_multiple_of(granule));
+            }
+        }
+    }
+}
+
 /// As many threads as a pipeline can have wait for the same thing at once: a look-up, the memory, the host.
 #[test]
 fn threads_that_all_wait_for_one_cause_are_counted_alike() {

@@ -78,6 +78,30 @@ fn nothing_to_do_takes_no_time() {
     assert_eq!(simulate(&[], &Programs::default(), &config), Ok(TimingReport::default()));
 }
 
+/// Nobody works, so the phases of units, first-level caches and bus manager have nothing to do.
+#[test]
+fn the_last_cycle_ends_with_its_fifth_phase() {
+    let (config, programs) = (standard(Version::A), programs(&[&[operation(Unit::Traversal, 0, 8, 1)]]));
+    let mut chip = Chip::new(&[], &programs, &config).expect("a chip");
+    let mut phases = Vec::new();
+    while !chip.cycle(|phase, _| phases.push(phase)) {
+        assert_eq!(std::mem::take(&mut phases), [1, 2, 3, 4, 5, 6, 7, 8]);
+    }
+    assert_eq!(phases, [1, 2, 3, 4, 5]);
+}
+
+#[test]
+fn first_level_caches_have_the_bytes_that_the_paper_states() {
+    let config = standard(Version::None);
+    assert_eq!([0, 1, 2, 3].map(|unit| config.l1_bytes(unit)), [64 << 10, 64 << 10, 64 << 10, 144 << 10]);
+}
+
+#[test]
+fn frames_a_second_are_cycles_a_second_over_cycles_a_frame() {
+    let config = standard(Version::None);
+    assert_eq!([533_000_000, 53_300_000].map(|cycles| config.fps(cycles)), [1.0, 10.0]);
+}
+
 #[test]
 fn chips_that_cannot_be_are_refused() {
     let refused = |change: &dyn Fn(&mut ChipConfig)| {
@@ -100,6 +124,9 @@ fn chips_that_cannot_be_are_refused() {
     assert!(refused(&|config| config.sdram.refresh_interval = 12).contains("more than the 12"));
     assert!(refused(&|config| config.sdram.beat_bytes = 256).contains("at least a beat"));
     assert!(refused(&|config| config.metadata_cache.bytes = 48).contains("power of two"));
+    // Less than a set of four granules of 16 bytes.
+    let message = refused(&|config| config.metadata_cache.bytes = 32);
+    assert_eq!(message, "size of the metadata cache of 32: it must be a power of two, 64 to 67108864");
     assert!(refused(&|config| config.pci.beat_bytes = 0).contains("at least 1"));
     standard(Version::None).check().expect("a chip");
 }

@@ -85,6 +85,14 @@ mod tests {
     use super::*;
 
     #[test]
+    fn operations_of_all_packets_are_counted() {
+        let operation = Operation { addr: HostAddr(0), bytes: 8, rays: 1, unit: Unit::Traversal };
+        let packets = [0, 2, 3].map(|count| vec![operation; count].into());
+        let programs = Programs { packets: packets.to_vec(), triangles: HostAddr(0) };
+        assert_eq!((programs.operations(), programs.in_order().count()), (5, 5));
+    }
+
+    #[test]
     fn reads_belong_to_the_operation_that_began() {
         let mut recorder = Recorder::default();
         recorder.operation(Unit::Shading, 64);

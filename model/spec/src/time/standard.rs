@@ -131,6 +131,15 @@ mod tests {
         assert_eq!([0, 1, 2, 3].map(first_level_sets), [256, 2048, 4096, 1024]);
     }
 
+    #[test]
+    fn sizes_of_memories_are_the_stated_and_the_assumed_ones() {
+        let (kilobyte, megabyte) = (1024, 1_048_576);
+        assert_eq!(MEMORY, Bytes(8 * megabyte));
+        let of_families = MEMORY_OF.map(|(family, memory)| (family, memory.0 / megabyte));
+        assert_eq!(of_families, [("pQuake3", 8), ("Sodahall", 8), ("Conference", 32), ("Cruiser", 64)]);
+        assert_eq!((METADATA_CACHE_BYTES, ROW_BYTES), (64 * kilobyte, 4 * kilobyte));
+    }
+
     /// §4 prints the bandwidth of the on-board memory as 2 GB/s.
     #[test]
     fn memory_bandwidth_is_the_printed_one() {
