@@ -14,6 +14,7 @@ use proptest::strategy::ValueTree;
 use proptest::test_runner::{TestCaseError, TestRunner};
 use saarcor_model::host::{Aabb, Axis, HostImage, KdTree, Kernel, Node, Triangle};
 use saarcor_model::rays::{Hits, Packet, Query, Ray, Traversal, widen};
+use saarcor_model::vm::HostAddr;
 use support::engine;
 use support::rays::{across, agrees, along, lay_out, lay_out_for, observed};
 
@@ -424,6 +425,30 @@ fn widening_encloses_the_distance() {
             assert!(least <= t && t <= greatest, "{t}: {least} to {greatest}");
             assert_eq!(widen(-t), (-greatest, -least), "{t}");
         }
+    }
+}
+
+/// From an origin so far from one end of the scene that their difference is no f32, though the distance is one: no
+/// interval is cut along that axis.
+#[test]
+fn a_plane_whose_difference_overflows_hides_nothing() {
+    for towards in [1.0, -1.0] {
+        let (from, near, plane, far) = (-2.0e38, -1.0e38, 2.0e38, 3.0e38);
+        // The near triangle is beside the ray.
+        let mut beside = across(near * towards);
+        beside.corners = beside.corners.map(|corner| corner + Vec3::Y * 100.0);
+        let triangles = vec![beside, across(far * towards)];
+        let bounds = Aabb::around(triangles.iter().flat_map(|triangle| triangle.corners));
+        let leaf = |triangle| Node::Leaf { first: triangle, count: 1 };
+        let [below, above] = if towards > 0.0 { [leaf(0), leaf(1)] } else { [leaf(1), leaf(0)] };
+        let nodes = vec![Node::Inner { axis: Axis::X, split: plane * towards, children: 1 }, below, above];
+        let image = lay_out_for(triangles, &KdTree { bounds, nodes, refs: vec![0, 1] }, Kernel::Adaptive);
+        let ray = Ray { t_max: f32::MAX, ..along(from * towards, 2.0 * towards) };
+        let packet = Packet::new([Some(ray)]);
+        let hits =
+            Traversal::<1>::default().run(&mut observed(&image), &image.registers, &packet, Query::Closest);
+        assert!(hits.is_hit(0), "{ray:?}");
+        assert_eq!((image.triangle_id(HostAddr(hits.triangle[0])), hits.t[0]), (1, 2.5e38));
     }
 }
 

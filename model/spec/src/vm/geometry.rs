@@ -210,6 +210,16 @@ mod tests {
     }
 
     #[test]
+    fn messages_name_the_size_and_a_legal_one_close_to_it() {
+        let message =
+            |memory, line| Geometry::new(Bytes(memory), Bytes(line), 4).expect_err("illegal").to_string();
+        assert_eq!(message(100, 128), "memory of 100 bytes: it must be a power of two, such as 128");
+        assert_eq!(message(0, 128), "memory of 0 bytes: it must be a power of two, such as 8MiB");
+        assert_eq!(message(1 << 20, 36), "line of 36 bytes: it must be a power of two, such as 32");
+        assert_eq!(message(1 << 20, 0), "line of 0 bytes: it must be a power of two, such as 128");
+    }
+
+    #[test]
     fn one_line_may_span_the_whole_address_space() {
         let g = Geometry::new(Bytes(1 << 32), Bytes(1 << 32), 1).expect("legal");
         assert_eq!(g.line_of(HostAddr(u32::MAX)), LineAddr(0));

@@ -231,6 +231,15 @@ mod tests {
     }
 
     #[test]
+    fn management_bits_that_name_no_way_or_lie_outside_of_the_tree_are_illegal() {
+        let with = |policy, order| Set::<4> { order, ..Set::empty(policy) }.is_valid(policy);
+        for policy in [Policy::Lru, Policy::Fifo] {
+            assert!(with(policy, [3, 1, 0, 2]) && !with(policy, [4, 1, 0, 2]), "{policy:?}");
+        }
+        assert!(with(Policy::Plru, [0, 1, 1, 1]) && !with(Policy::Plru, [1, 0, 0, 0]));
+    }
+
+    #[test]
     fn one_way_is_direct_mapped() {
         for policy in [Policy::Lru, Policy::Fifo, Policy::Plru] {
             let set = Set::<1>::empty(policy).access(LineAddr(7), policy).0;
