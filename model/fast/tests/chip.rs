@@ -166,6 +166,20 @@ fn packets_out_of_time_only_warm_the_caches() {
     }
 }
 
+#[test]
+fn cold_first_level_caches_lie_before_a_warm_virtual_memory() {
+    let programs = scattered(90, 40, Unit::Intersection, 36);
+    let config = standard(Version::A);
+    let run = |caches: Caches| simulate_part(caches, &programs, &[true; 90], &mut ());
+    let warm = || Caches::after([&programs], HostAddr(0), &config).expect("a chip");
+    let (cold, empty) = (run(warm().with_cold_first_level()), run(empty(&config)));
+    let missed = |report: &TimingReport| report.l1[Unit::Intersection as usize].misses;
+    assert_eq!(missed(&cold), missed(&empty));
+    assert!(missed(&run(warm())) < missed(&cold));
+    assert_eq!(cold.l2.misses, 0);
+    assert!(empty.l2.misses > 0);
+}
+
 /// With one thread the order of look-ups is that of the packets, in time or not; only what is in
 /// flight differs, and a single thread has nothing in flight.
 #[test]

@@ -124,9 +124,9 @@ fn chips_that_cannot_be_are_refused() {
     assert!(refused(&|config| config.sdram.refresh_interval = 12).contains("more than the 12"));
     assert!(refused(&|config| config.sdram.beat_bytes = 256).contains("at least a beat"));
     assert!(refused(&|config| config.metadata_cache.bytes = 48).contains("power of two"));
-    // Less than a set of four granules of 16 bytes.
-    let message = refused(&|config| config.metadata_cache.bytes = 32);
-    assert_eq!(message, "size of the metadata cache of 32: it must be a power of two, 64 to 67108864");
+    // Less than a set of four granules of 32 bytes.
+    let message = refused(&|config| config.metadata_cache.bytes = 64);
+    assert_eq!(message, "size of the metadata cache of 64: it must be a power of two, 128 to 67108864");
     assert!(refused(&|config| config.pci.beat_bytes = 0).contains("at least 1"));
     standard(Version::None).check().expect("a chip");
 }

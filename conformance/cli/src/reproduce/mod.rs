@@ -41,7 +41,7 @@ pub fn print(reproduction: &Reproduction, out: &mut Stdout) -> Result<()> {
             out.line(format_args!("    {number}"))?;
         }
         if !open.is_empty() {
-            out.line(format_args!("    not told: {open}"))?;
+            out.line(format_args!("    left open: {open}"))?;
         }
     }
     out.line("")?;

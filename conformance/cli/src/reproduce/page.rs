@@ -61,8 +61,8 @@ pub fn html(report: &Reproduction) -> String {
     });
     let mut details = String::new();
     for Claim { id, claim, numbers, open, verdict, .. } in &report.claims {
-        let told = (!open.is_empty()).then(|| format!("Not told: {open}"));
-        let numbers: Vec<_> = numbers.iter().chain(&told).map(|number| escaped(number)).collect();
+        let left = (!open.is_empty()).then(|| format!("Left open: {open}"));
+        let numbers: Vec<_> = numbers.iter().chain(&left).map(|number| escaped(number)).collect();
         let (claim, numbers) = (escaped(claim), numbers.join("<br>"));
         let _ = writeln!(details, "<dt>{id}: <em>{verdict}</em></dt><dd>{claim}<br>{numbers}</dd>");
     }

@@ -70,7 +70,7 @@ pub struct Claim {
     pub cause: Option<Cause>,
     /// The numbers that decide it, place by place.
     pub numbers: Vec<String>,
-    /// What cannot be told from the paper; empty where nothing is left open.
+    /// What the paper leaves open; empty if nothing.
     pub open: &'static str,
 }
 
