@@ -128,3 +128,47 @@ impl Section {
         self.row.triangles as f64 * 1e-5 + pixels * frame * (frames + 12.0 * hot_spots as f64)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use saarcor_model::time::Version;
+    use saarcor_model::vm::Unit;
+    use saarcor_scenes::kdbuild::BuildOptions;
+
+    /// What a scene has of its own is what the paper states: the memory, and the Cruiser's triangle cache.
+    #[test]
+    fn no_scene_has_a_setting_of_its_own() {
+        let chip = |of| standard::chip(of, Version::B).expect("a chip");
+        let one = chip("Conference");
+        for section in Section::all(None).expect("built-in scenes") {
+            let mut other = chip(&section.row.scene);
+            assert_eq!(other.cache.geometry.memory(), standard::memory(&section.row.scene));
+            let triangles = Unit::Intersection as usize;
+            assert_eq!(other.l1[triangles] != one.l1[triangles], section.family().0 == "Cruiser");
+            (other.cache.geometry, other.l1[triangles]) = (one.cache.geometry, one.l1[triangles]);
+            assert_eq!(other, one, "{}", section.name);
+            let WorldOptions { lights, no_textures, no_mip_maps, tree, .. } = section.options;
+            assert_eq!(
+                (lights, no_textures, no_mip_maps, tree),
+                (None, false, false, BuildOptions::default())
+            );
+        }
+    }
+
+    /// Each family has one walk, and all its variants have the frames of that one.
+    #[test]
+    fn frames_come_from_the_walk_of_the_family() {
+        let sections = Section::all(None).expect("built-in scenes");
+        let walked: Vec<_> =
+            sections.iter().filter(|section| section.is_walked()).map(Section::family).collect();
+        assert_eq!(walked.len(), 4);
+        for (place, section) in sections.iter().enumerate() {
+            assert!(
+                walked.contains(&section.family()) && (place >= 4 || section.is_walked()),
+                "{}",
+                section.name
+            );
+        }
+    }
+}
