@@ -40,7 +40,7 @@ const DIFFERENCES: &[(&str, &str)] = &[
     (
         "Some choices are ours.",
         "The paper names neither the picture's size, nor the replacement policy, nor how often the upper \
-         address bits are folded in: 1024 × 768, LRU and one fold are assumed. Nor does it name the \
+         address bits are folded in: 1024 × 768, FIFO and one fold are assumed. Nor does it name the \
          chip's latencies, its first-level lines or the memory's banks; SPEC.md says which of Table 2's \
          relations hang on them.",
     ),

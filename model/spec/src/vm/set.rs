@@ -2,7 +2,8 @@
 
 use super::units::{LineAddr, Way};
 
-/// Which line a full set evicts. The paper names no policy: LRU is Assumed.
+/// Which line a full set evicts. The paper names no policy; that of the standard chip is
+/// [`POLICY`](crate::time::standard::POLICY) (Assumed).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Policy {
     /// The least recently used line.
