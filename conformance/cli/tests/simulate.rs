@@ -111,7 +111,7 @@ fn sizes_of_the_chip_matter() {
     assert_ne!(cycles(&["--order", "morton"]), standard);
     assert_eq!(number(&cold(&["--order", "morton"]), "rays"), number(&cold(&[]), "rays"));
     let metadata = |more: &[&str]| number(&cold(&[&["--variant", "b"], more].concat()), "mem_bytes_metadata");
-    assert!(metadata(&["--metadata-cache", "64"]) > metadata(&[]));
+    assert!(metadata(&["--metadata-cache", "128"]) > metadata(&[]));
     assert_ne!(metadata(&["--granule", "64"]), metadata(&[]));
 }
 

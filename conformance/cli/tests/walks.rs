@@ -188,7 +188,8 @@ fn walk_counts_what_another_simulator_does() {
     for run in runs {
         let value = |field: &str| run[field].as_integer().expect("a number") as u64;
         let memory = value("memory_bytes").to_string();
-        let walk = ["walk", "--frames", "150..151", "--cold", "--json", "--memory", &memory];
+        let walk =
+            ["walk", "--frames", "150..151", "--cold", "--json", "--policy", "lru", "--memory", &memory];
         let row: Value = serde_json::from_str(&stdout_of(&[&walk, &scene[..]].concat())).expect("JSON");
         assert_eq!((number(&row, "hits"), number(&row, "misses")), (value("hits"), value("misses")));
     }
