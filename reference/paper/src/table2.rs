@@ -2,7 +2,7 @@
 //! ours beside the paper's.
 
 use crate::alternatives::{self, Plan, Start};
-use crate::tables::{self, MB, Table2Row};
+use crate::tables::{self, Table2Row, in_mb};
 use rayon::prelude::*;
 use saarcor_fast::chip::{Caches, simulate_part};
 use saarcor_model::time::{ChipConfig, Programs, Version};
@@ -266,11 +266,6 @@ pub(crate) fn with_other_tree(
         let run = Run { spot: &spot, before: &before, programs: &recording.programs, rays };
         run.played(setting, &run.chip(Version::None)?, Start::Warm)
     })
-}
-
-/// A number of bytes in [`MB`].
-fn in_mb(bytes: u64) -> f64 {
-    bytes as f64 / MB as f64
 }
 
 /// The four relations within a row that matter more than its digits.

@@ -17,6 +17,17 @@ pub fn mb(bytes: u64) -> String {
     format!("{:.2}", bytes as f64 / MB as f64)
 }
 
+/// A number of bytes in [`MB`].
+#[must_use]
+pub fn in_mb(bytes: u64) -> f64 {
+    bytes as f64 / MB as f64
+}
+
+/// Half of the last digit of PCI in Table 2, in [`MB`]: what is less is printed as nothing.
+pub const LEAST_PCI_MB: f64 = 0.005;
+/// The same of Mem.
+pub const LEAST_MEM_MB: f64 = 0.05;
+
 /// A row of Table 1: a benchmark scene.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]

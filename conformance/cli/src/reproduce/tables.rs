@@ -11,7 +11,7 @@ use saarcor_paper::fit::{Fits, Relation};
 use saarcor_paper::reproduction::{Extent, Reproduction};
 use saarcor_paper::table1::SceneRow;
 use saarcor_paper::table2::{Alternative, HotSpot, Shape};
-use saarcor_paper::tables::{MB, VirtualRun, mb};
+use saarcor_paper::tables::{MB, VirtualRun, in_mb, mb};
 use saarcor_studies::simulate::TimingRow;
 use saarcor_studies::walk::FrameRow;
 
@@ -267,10 +267,6 @@ fn extremes(graphs: &[Graph]) -> Table {
         table.row(row.chain([last, hot_spots, cuts]));
     }
     table
-}
-
-fn in_mb(bytes: u64) -> f64 {
-    bytes as f64 / MB as f64
 }
 
 /// A ratio for a reader; nothing, where a number is divided by nothing.

@@ -1,12 +1,12 @@
 //! Claims of step two of §4 and of Table 2: speed and traffic on the chip.
 
-use super::{Cause, Claim, Evidence, Holds, Range, cause, families, in_mb, mean, ranges};
+use super::{Cause, Claim, Evidence, Holds, Range, cause, families, mean, ranges};
 use crate::alternatives::{
     BANKS_8, COLD_FIRST_LEVEL, EMPTY, EMPTY_AND_FAST_BUS, FAST_BUS, FAST_MEMORY, GRANULE_16, LRU,
     SHALLOW_TREE, SMALL_TRIANGLE_CACHE, TEN_FRAMES,
 };
 use crate::table2::{HotSpot, Shape};
-use crate::tables::{MB, Table2Row, table2};
+use crate::tables::{LEAST_MEM_MB, LEAST_PCI_MB, MB, Table2Row, in_mb, table2};
 use saarcor_model::time::Version;
 use saarcor_studies::simulate::TimingRow;
 use std::collections::BTreeMap;
@@ -217,9 +217,6 @@ fn frames_a_second(spots: &[HotSpot]) -> Claim {
     }
 }
 
-/// Half of the last digit that the paper prints, in MB: what is less is printed as nothing.
-const LEAST_PCI_MB: f64 = 0.005;
-
 fn loaded(spots: &[HotSpot]) -> Claim {
     let loaded = |run: &TimingRow| in_mb(run.pci_bytes).max(LEAST_PCI_MB);
     let (ours, verdict, numbers) =
@@ -242,9 +239,6 @@ fn loaded(spots: &[HotSpot]) -> Claim {
         open: "The path of the camera and how many frames were simulated before a hot spot.",
     }
 }
-
-/// What the paper prints as 0.0 MB is less.
-const LEAST_MEM_MB: f64 = 0.05;
 
 fn moved(spots: &[HotSpot]) -> Claim {
     let moved = |run: &TimingRow| in_mb(run.mem_bytes).max(LEAST_MEM_MB);

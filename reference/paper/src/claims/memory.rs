@@ -1,11 +1,11 @@
 //! Claims of §2 and §3: metadata, lines, ways and hash, and the caches of the chip.
 
-use super::{Cause, Claim, Evidence, Holds, cause, in_mb, mean, ranges};
+use super::{Cause, Claim, Evidence, Holds, cause, mean, ranges};
 use crate::alternatives::{
     EIGHT_THREADS, LINES, NO_FIRST_LEVEL, ONE_THREAD, SMALL_METADATA_CACHE, lines, ways,
 };
 use crate::table2::{Alternative, HotSpot};
-use crate::tables::{mb, stated};
+use crate::tables::{in_mb, mb, stated};
 use saarcor_model::time::Version;
 use saarcor_model::vm::Hash;
 use saarcor_studies::simulate::TimingRow;

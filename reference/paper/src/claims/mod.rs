@@ -7,7 +7,6 @@ mod walks;
 use crate::figure3::Graph;
 use crate::table1::SceneRow;
 use crate::table2::HotSpot;
-use crate::tables::MB;
 use saarcor_studies::metadata::MetadataFacts;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -159,11 +158,6 @@ fn families<'a>(spots: impl IntoIterator<Item = &'a HotSpot>) -> BTreeMap<String
         families.entry(name).or_default().push(spot);
     }
     families
-}
-
-/// Bytes in MB.
-fn in_mb(bytes: u64) -> f64 {
-    bytes as f64 / MB as f64
 }
 
 /// Ranges of a number of each row, family by family.

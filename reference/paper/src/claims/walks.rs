@@ -1,11 +1,11 @@
 //! Claims of step one of §4 and of Figure 3 and Table 1: working sets, memories and sizes.
 
-use super::{Cause, Claim, Evidence, Holds, cause, in_mb, mean, ranges};
+use super::{Cause, Claim, Evidence, Holds, cause, mean, ranges};
 use crate::alternatives::{EIGHTH_MEMORY, HALF_MEMORY};
 use crate::figure3::Graph;
 use crate::table1::SceneRow;
 use crate::table2::HotSpot;
-use crate::tables::{MB, mb};
+use crate::tables::{MB, in_mb, mb};
 use saarcor_model::time::Version;
 use saarcor_studies::walk::FrameRow;
 

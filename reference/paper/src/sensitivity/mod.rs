@@ -11,15 +11,12 @@ pub use numbers::{AssumedNumber, NUMBERS, Value};
 
 use crate::fit::{A_OF_NO_VM, B_OF_NO_VM, Compared, MEM_B_OF_A, bootstrap, percent};
 use crate::table2::Shape;
-use crate::tables::{MB, Table2Row, table2};
+use crate::tables::{LEAST_MEM_MB, LEAST_PCI_MB, Table2Row, in_mb, table2};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// How many of the strongest numbers are varied in pairs.
 const IN_PAIRS: usize = 4;
-
-/// What the paper prints as 0.00 MB loaded and as 0.0 MB moved is less than this.
-const LEAST: [f64; 2] = [0.005, 0.05];
 
 /// How far rows are off the paper's, in percent: exp(mean |ln(ours / paper)|) − 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -104,13 +101,13 @@ impl Sensitivity {
     /// What these settings do, from what was measured of the rows of `options`.
     #[must_use]
     pub fn of(options: &Options, settings: &[Setting], measured: &[Measured]) -> Self {
+        // Whatever was kept: the real scenes count where they are asked for, and rows come in one order.
+        let is_asked_for =
+            |one: &&Measured| one.is_of(options.extent) && (!one.real || options.scenes.is_some());
+        let mut asked_for: Vec<&Measured> = measured.iter().filter(is_asked_for).collect();
+        asked_for.sort_by_key(|one| one.place());
         let rows = |setting: &str| -> Vec<&Measured> {
-            let is_asked_for = |one: &&Measured| one.is_of(options.extent) && one.setting == setting;
-            let mut rows: Vec<&Measured> = measured.iter().filter(is_asked_for).collect();
-            // Whatever was kept: the real scenes count where they are asked for, and rows come in one order.
-            rows.retain(|one| !one.real || options.scenes.is_some());
-            rows.sort_by_key(|one| one.place());
-            rows
+            asked_for.iter().copied().filter(|one| one.setting == setting).collect()
         };
         let defaults = rows("");
         let bar = |setting: &Setting| {
@@ -187,11 +184,11 @@ impl<'a> Row<'a> {
         let Measured { fps, mem_bytes, pci_bytes, .. } = *measured;
         let pci = pci_bytes[0] as f64;
         let ours = Shape::new(fps, mem_bytes.map(|bytes| bytes as f64), pci);
-        let in_mb = |bytes: f64, paper: f64, least: f64| (bytes / MB as f64).max(least) / paper.max(least);
+        let ratio = |bytes: u64, paper: f64, least: f64| in_mb(bytes).max(least) / paper.max(least);
         let absolute = [
             fps[0] / paper.no_vm.fps,
-            in_mb(mem_bytes[1] as f64, paper.version_a.mem_mb, LEAST[1]),
-            in_mb(pci, paper.version_a.pci_mb, LEAST[0]),
+            ratio(mem_bytes[1], paper.version_a.mem_mb, LEAST_MEM_MB),
+            ratio(pci_bytes[0], paper.version_a.pci_mb, LEAST_PCI_MB),
         ];
         let Measured { scene, real, .. } = measured;
         Self { compared: Compared { scene, real: *real, paper, ours }, absolute }
