@@ -242,7 +242,12 @@ fn sensitivity_to_what_is_no_assumed_number() {
     };
     of(&["--over", "granules"], &["granules", "granule"]);
     of(&["--combine", "granule=17 B"], &["granule=17 B", "banks=8"]);
+    of(&["--sample", "3/2"], &["3/2", "1/8"]);
     refuses(&["reproduce", "--over", "granule"], &["--sensitivity"]);
+    refuses(&["reproduce", "--sample", "1/4"], &["--sensitivity"]);
+    refuses(&["reproduce", "--warm-up", "all"], &["--warm-up", "walk"]);
+    let sweep = ["sweep", "pquake3-nlnt", "--frame", "100", "--warm-up", "17", "--over", "ways"];
+    refuses(&sweep, &["--warm-up", "17 frames", "16"]);
     assert_is_empty(folder.path());
     std::fs::create_dir(out).expect("a folder");
     let kept = Path::new(out).join("sensitivity.jsonl");

@@ -95,6 +95,9 @@ fn frames_before_warm_the_caches() {
     let pci = |frames| number(&simulate(&["--warm-up", frames]), "pci_bytes");
     assert!(pci("1") < pci("0"));
     assert_eq!(pci("1"), pci("9"), "there is one frame before");
+    assert_eq!(pci("1"), pci("walk"));
+    let long = ["simulate", "pquake3-nlnt", "--frame", "100", "--warm-up", "walk", "--sample", "1/8"];
+    assert!(refusal_of(&long).contains("--warm-up: 100 frames before are kept in memory here; at most 16"));
 }
 
 #[test]

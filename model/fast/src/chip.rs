@@ -54,8 +54,15 @@ pub fn simulate_observed(
     config: &ChipConfig,
     observer: &mut impl ChipObserver,
 ) -> Result<TimingReport, ConfigError> {
-    let caches = Caches::after_observed(before, programs.triangles, config, observer)?;
-    Ok(simulate_part(caches, programs, &vec![true; programs.packets.len()], observer))
+    let empty = Caches::empty(programs.triangles, config)?;
+    let caches = before.iter().fold(empty, |caches, picture| caches.then_observed(picture, observer));
+    Ok(simulate_from(caches, programs, observer))
+}
+
+/// Plays all packets of `programs` on the chip of these `caches`, watched by `observer`.
+#[must_use]
+pub fn simulate_from(caches: Caches, programs: &Programs, observer: &mut impl ChipObserver) -> TimingReport {
+    simulate_part(caches, programs, &vec![true; programs.packets.len()], observer)
 }
 
 /// Plays on the chip of these `caches` those packets whose place in `in_time` is true. The others take
@@ -72,11 +79,8 @@ pub fn simulate_part(
     observer: &mut impl ChipObserver,
 ) -> TimingReport {
     assert_eq!(in_time.len(), programs.packets.len(), "each packet is in time or not");
-    let Caches { config, l1, tags } = caches;
-    let mut chip = Chip::new(programs, in_time, &config, observer);
-    chip.l1.iter_mut().zip(l1).for_each(|(empty, l1)| empty.cache = l1);
-    chip.tags = tags;
-    chip.run()
+    let config = caches.config;
+    Chip::new(programs, in_time, &config, observer).with(caches).run()
 }
 
 /// No thread, in a list of threads.
@@ -260,6 +264,13 @@ impl<'a, O: ChipObserver> Chip<'a, O> {
             arrival: u64::MAX,
             report: TimingReport::default(),
         }
+    }
+
+    /// The chip, with what these caches hold.
+    fn with(mut self, caches: Caches) -> Self {
+        self.l1.iter_mut().zip(caches.l1).for_each(|(empty, l1)| empty.cache = l1);
+        self.tags = caches.tags;
+        self
     }
 
     /// Address and size of the parts of a first-level line: one for each line of the virtual memory

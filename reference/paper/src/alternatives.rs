@@ -3,12 +3,13 @@
 use saarcor_model::time::standard::{CHIP_CACHE_WAYS, FIRST_LEVEL_BYTES};
 use saarcor_model::time::{ChipConfig, PciConfig, Version};
 use saarcor_model::vm::{Bytes, Geometry, Hash, Policy, Unit};
+use saarcor_studies::simulate::WarmUp;
 use saarcor_studies::standard::{self, family};
 
 /// In what state the caches begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// As the frame before leaves them.
+    /// As the frames before leave them: one, where nothing else is asked for.
     Warm,
     /// The same, but for empty first-level caches.
     ColdFirstLevel,
@@ -19,12 +20,12 @@ pub enum Start {
 }
 
 impl Start {
-    /// The frames before that warm the caches.
-    pub(crate) fn frames(self) -> usize {
+    /// The frames before that warm the caches, where those of all other chips are `usual`.
+    pub(crate) fn warm_up(self, usual: WarmUp) -> WarmUp {
         match self {
-            Self::Warm | Self::ColdFirstLevel => crate::table2::WARM_UP,
-            Self::Empty => 0,
-            Self::TenFrames => 10,
+            Self::Warm | Self::ColdFirstLevel => usual,
+            Self::Empty => WarmUp::frames(0),
+            Self::TenFrames => WarmUp::frames(10),
         }
     }
 }
@@ -63,6 +64,9 @@ pub const EIGHTH_MEMORY: &str = "an eighth of the on-board memory";
 pub const TEN_FRAMES: &str = "ten frames before, 16 ways";
 /// A kd-tree that is cut off early.
 pub const SHALLOW_TREE: &str = "a kd-tree of at most log2 N + 2 levels";
+
+/// Values of Assumed numbers that the paper's text admits as well as the standard ones: all of Table 2 is run with them.
+pub const ADMITTED: [&str; 4] = [LRU, GRANULE_16, BANKS_8, COLD_FIRST_LEVEL];
 
 /// Sizes of lines that are compared.
 pub const LINES: [u64; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
@@ -134,7 +138,7 @@ const A: &[Version] = &[Version::A];
 const B: &[Version] = &[Version::B];
 const A_AND_B: &[Version] = &[Version::A, Version::B];
 const NONE_AND_A: &[Version] = &[Version::None, Version::A];
-const NONE_AND_B: &[Version] = &[Version::None, Version::B];
+const ALL: &[Version] = &[Version::None, Version::A, Version::B];
 
 /// The chips for the frame at `place` of a scene that stands in the place of the paper's scene `of`, if it does.
 ///
@@ -171,10 +175,10 @@ fn each() -> Vec<Plan> {
         plan(FAST_BUS, A, Start::Warm, fast_bus),
         plan(EMPTY, A, Start::Empty, |_| ()),
         plan(EMPTY_AND_FAST_BUS, A, Start::Empty, fast_bus),
-        plan(COLD_FIRST_LEVEL, NONE_AND_A, Start::ColdFirstLevel, |_| ()),
-        plan(LRU, B, Start::Warm, |chip| chip.cache.policy = Policy::Lru),
+        plan(COLD_FIRST_LEVEL, ALL, Start::ColdFirstLevel, |_| ()),
+        plan(LRU, A_AND_B, Start::Warm, |chip| chip.cache.policy = Policy::Lru),
         plan(GRANULE_16, B, Start::Warm, |chip| chip.metadata_cache.granule = 16),
-        plan(BANKS_8, NONE_AND_B, Start::Warm, |chip| chip.sdram.banks = 8),
+        plan(BANKS_8, ALL, Start::Warm, |chip| chip.sdram.banks = 8),
     ]
 }
 

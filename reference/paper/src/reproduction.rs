@@ -9,7 +9,7 @@ use crate::fit::Fits;
 use crate::metadata;
 use crate::sections::Section;
 use crate::table1::SceneRow;
-use crate::table2::{self, HotSpot, STANDARD, StandIn};
+use crate::table2::{self, HotSpot, How, STANDARD, StandIn};
 use saarcor_model::time::ChipConfig;
 use saarcor_model::vm::CacheConfig;
 use saarcor_scenes::read_cameras;
@@ -17,6 +17,7 @@ use saarcor_studies::StudyError;
 use saarcor_studies::hot_spots::cuts;
 use saarcor_studies::metadata::MetadataFacts;
 use saarcor_studies::monitor::Monitor;
+use saarcor_studies::simulate::WarmUp;
 use saarcor_studies::standard;
 use saarcor_studies::trace::{PacketSize, TraceOptions};
 use saarcor_studies::walk::WalkOptions;
@@ -56,6 +57,8 @@ pub struct ReproductionOptions {
     /// A folder with the real scenes `oa_dm3` and `conference`, which then stand in for pQuake3
     /// and for Conference, too.
     pub scenes: Option<PathBuf>,
+    /// Frames before each hot spot that warm the caches.
+    pub warm_up: WarmUp,
 }
 
 /// A scene of the user's, in place of the paper's.
@@ -71,6 +74,8 @@ pub struct OwnScene {
     pub cache: CacheConfig,
     /// Other sizes of on-board memory, with which it is walked through.
     pub memories: Vec<CacheConfig>,
+    /// Frames before each hot spot that warm the caches.
+    pub warm_up: WarmUp,
 }
 
 /// All figures that were reproduced.
@@ -82,6 +87,8 @@ pub struct Reproduction {
     pub extent: Extent,
     /// Pixels a row, and rows, of the pictures.
     pub resolution: (u32, u32),
+    /// Frames before each hot spot that warm the caches: a number, or `walk` for all.
+    pub warm_up: WarmUp,
     /// The examples of §3.
     pub metadata: Vec<MetadataFacts>,
     /// Table 1.
@@ -115,9 +122,10 @@ impl Reproduction {
         monitor: &dyn Monitor,
         report: &mut dyn FnMut(f64),
     ) -> Result<Self, ReproductionError> {
-        let extent = options.extent;
+        let ReproductionOptions { extent, warm_up, .. } = *options;
         let sections = Section::all(options.scenes.as_deref())?;
         let trace = extent.trace();
+        let how = How { setting: STANDARD, warm_up, trace: &trace };
 
         let all: f64 = sections.iter().map(|section| section.seconds(extent)).sum();
         let mut done = 0.0;
@@ -137,15 +145,14 @@ impl Reproduction {
                 figure3.insert(place, graph);
             }
             let stand_in = StandIn { scene: name, real: *real, of: Some(&row.scene) };
-            let simulate =
-                |frames: &[usize]| table2::hot_spots(stand_in, &world, frames, STANDARD, &trace, monitor);
+            let simulate = |frames: &[usize]| table2::hot_spots(stand_in, &world, frames, &how, monitor);
             let mut spots = simulate(frames_of.get(&section.family()).map_or(&[][..], Vec::as_slice))?;
             if section.is_first() {
                 after_cuts.extend(simulate(&cuts(&world.path).into_iter().collect::<Vec<_>>())?);
             }
             drop(world);
             if section.family().0 == "Cruiser" {
-                with_shallow_tree(section, &mut spots, &trace, monitor)?;
+                with_shallow_tree(section, &mut spots, &how, monitor)?;
             }
             table2.insert(place, spots);
             done += section.seconds(extent);
@@ -155,6 +162,7 @@ impl Reproduction {
             scene: None,
             extent,
             resolution: trace.resolution,
+            warm_up,
             metadata: metadata::examples(),
             table1: table1.into_values().collect(),
             figure3: figure3.into_values().collect(),
@@ -177,7 +185,8 @@ impl Reproduction {
         extent: Extent,
         monitor: &dyn Monitor,
     ) -> Result<Self, ReproductionError> {
-        let OwnScene { world, path, name, cache, memories } = scene;
+        let OwnScene { world, path, name, cache, memories, warm_up } = scene;
+        let warm_up = *warm_up;
         // A wrong path is found before the kd-tree is built.
         let path = path.as_deref().map(read_cameras).transpose().map_err(StudyError::from)?;
         let (trace, mut world) = (extent.trace(), World::open(world, monitor)?);
@@ -192,14 +201,15 @@ impl Reproduction {
             Graph::with_memories(name, &world, &options, memories, step.max(1), OWN_HOT_SPOTS, monitor);
         let stand_in = StandIn { scene: name, real: true, of: None };
         let with_cache = |config| ChipConfig { cache: *cache, ..config };
-        let simulate =
-            |frames: &[usize]| table2::hot_spots(stand_in, &world, frames, &with_cache, &trace, monitor);
+        let how = How { setting: &with_cache, warm_up, trace: &trace };
+        let simulate = |frames: &[usize]| table2::hot_spots(stand_in, &world, frames, &how, monitor);
         let frames: Vec<usize> = graph.hot_spots.iter().map(|spot| spot.frame).collect();
         let after_cuts: Vec<usize> = graph.cuts.iter().copied().take(OWN_HOT_SPOTS).collect();
         let reproduction = Self {
             scene: Some(name.clone()),
             extent,
             resolution: trace.resolution,
+            warm_up,
             metadata: Vec::new(),
             table1: Vec::new(),
             table2: simulate(&frames)?,
@@ -225,7 +235,7 @@ impl Reproduction {
 fn with_shallow_tree(
     section: &Section,
     spots: &mut [HotSpot],
-    trace: &TraceOptions,
+    how: &How<'_>,
     monitor: &dyn Monitor,
 ) -> Result<(), ReproductionError> {
     let rate = |spot: &&mut HotSpot| spot.no_vm.hit_rate("intersection");
@@ -234,7 +244,7 @@ fn with_shallow_tree(
     options.tree.max_depth = Some(section.row.triangles.ilog2() + 2);
     let world = World::open(&options, monitor)?;
     let stand_in = StandIn { scene: &section.name, real: section.real, of: Some(&section.row.scene) };
-    let tree = table2::with_other_tree(stand_in, &world, spot.frame, SHALLOW_TREE, trace, monitor)?;
+    let tree = table2::with_other_tree(stand_in, &world, spot.frame, SHALLOW_TREE, how, monitor)?;
     spot.alternatives.push(tree);
     Ok(())
 }

@@ -4,21 +4,18 @@
 use crate::alternatives::{self, Plan, Start};
 use crate::tables::{self, Table2Row, in_mb};
 use rayon::prelude::*;
-use saarcor_fast::chip::{Caches, simulate_part};
-use saarcor_model::time::{ChipConfig, Programs, Version};
-use saarcor_model::vm::Hash;
+use saarcor_fast::chip::{Caches, simulate_from};
+use saarcor_model::time::{ChipConfig, Version};
+use saarcor_model::vm::{CacheConfig, Hash};
 use saarcor_studies::StudyError;
 use saarcor_studies::monitor::Monitor;
-use saarcor_studies::simulate::{TimingRow, record, record_before};
+use saarcor_studies::simulate::{Recording, TimingRow, WarmUp, record, record_before};
 use saarcor_studies::standard;
 use saarcor_studies::trace::{PacketOrder, TraceOptions};
 use saarcor_studies::traffic::{TrafficRow, TrafficWatch};
 use saarcor_studies::world::World;
 use serde::Serialize;
 use std::collections::BTreeMap;
-
-/// Frames before a hot spot that warm the caches.
-pub(crate) const WARM_UP: usize = 1;
 
 /// A frame on the chip in all versions.
 #[derive(Clone, Debug, Serialize)]
@@ -69,6 +66,19 @@ impl HotSpot {
         self.alternatives.iter().find(of).map(|one| &one.run)
     }
 
+    /// The row of a chip with `setting` in the place of the standard one. Versions that were not run with it do not know
+    /// what it changes, and stay as they are.
+    #[must_use]
+    pub fn standing_on(&self, setting: &str) -> Self {
+        let row = |standard: &TimingRow, version| self.with(setting, version).unwrap_or(standard).clone();
+        Self {
+            no_vm: row(&self.no_vm, Version::None),
+            version_a: row(&self.version_a, Version::A),
+            version_b: row(&self.version_b, Version::B),
+            ..self.clone()
+        }
+    }
+
     /// Its family among the paper's scenes; a scene of the user's is one by itself.
     #[must_use]
     pub fn family(&self) -> &str {
@@ -113,9 +123,19 @@ pub fn rows_of(scene: &str) -> impl Iterator<Item = &'static Table2Row> {
     tables::table2().iter().filter(move |row| row.scene == scene)
 }
 
+/// How frames are simulated.
+#[derive(Clone, Copy)]
+pub struct How<'a> {
+    /// What all chips have in place of the standard.
+    pub setting: Setting<'a>,
+    /// Frames before that warm the caches.
+    pub warm_up: WarmUp,
+    /// How they are traced.
+    pub trace: &'a TraceOptions,
+}
+
 /// Simulates the rows of Table 2 in which a scene stands, and the alternatives that tell what a figure hangs on.
 /// `frames` are those of our path, one for a row, in the order of the rows; rows for which there is none are left out.
-/// All chips have the `setting`.
 ///
 /// # Errors
 /// If the standard sizes make no chip.
@@ -123,16 +143,12 @@ pub fn hot_spots(
     stand: StandIn<'_>,
     world: &World,
     frames: &[usize],
-    setting: Setting<'_>,
-    trace: &TraceOptions,
+    how: &How<'_>,
     monitor: &dyn Monitor,
 ) -> Result<Vec<HotSpot>, StudyError> {
     let rows = stand.rows().zip(frames).enumerate();
-    rows.map(|(place, (paper, &frame))| {
-        let spot = Spot { stand, world, place, frame, setting, trace, monitor };
-        spot.simulate(paper)
-    })
-    .collect()
+    rows.map(|(place, (paper, &frame))| Spot { stand, world, place, frame, how, monitor }.simulate(paper))
+        .collect()
 }
 
 /// A frame that is to be simulated.
@@ -142,107 +158,128 @@ struct Spot<'a> {
     /// Its place among the frames of the scene.
     place: usize,
     frame: usize,
-    setting: Setting<'a>,
-    trace: &'a TraceOptions,
+    how: &'a How<'a>,
     monitor: &'a dyn Monitor,
+}
+
+/// A chip on which the frame is simulated: a standard one, or that of a plan.
+struct Planned<'a> {
+    plan: Option<&'a Plan>,
+    config: ChipConfig,
+    start: Start,
+}
+
+/// A run of the frame.
+struct Played {
+    config: ChipConfig,
+    row: TimingRow,
+    /// Of a standard chip, where the bytes go.
+    traffic: Option<TrafficRow>,
 }
 
 impl Spot<'_> {
     fn simulate(&self, paper: Option<&Table2Row>) -> Result<HotSpot, StudyError> {
-        let Self { stand, world, place, frame, trace, monitor, .. } = *self;
+        let Self { stand, place, frame, .. } = *self;
         let what = match paper {
             Some(paper) => format!("{} for {}, {}", stand.scene, paper.scene, paper.frame),
             None => format!("{} {frame}", stand.scene),
         };
         let plans = alternatives::of(stand.of, place);
-        let history = plans.iter().map(|plan| plan.start.frames()).max().unwrap_or(0).max(WARM_UP);
-        let (before, recording) = monitor.during(&format!("{what}: trace"), |_| {
-            let before = record_before(world, frame, history, trace, PacketOrder::default(), &|_| ());
-            (before, record(world, frame, trace, PacketOrder::default()))
-        });
-        let run = Run {
-            spot: self,
-            before: &before,
-            programs: &recording.programs,
-            rays: recording.picture.rays.total(),
-        };
-        let planned: Vec<(&Plan, Version)> =
-            plans.iter().flat_map(|plan| plan.versions.iter().map(move |version| (plan, *version))).collect();
-        let versions = [Version::None, Version::A, Version::B];
-        let (standard, alternatives) = monitor.during(&format!("{what}: chip"), |_| {
-            rayon::join(
-                || versions.par_iter().map(|version| run.standard(*version)).collect::<Result<Vec<_>, _>>(),
-                || planned.par_iter().filter_map(|(plan, version)| run.alternative(plan, *version)).collect(),
-            )
-        });
-        let mut standard = standard?.into_iter();
-        let [Some(none), Some(a), Some(b)] = std::array::from_fn(|_| standard.next()) else {
+        let standard = [Version::None, Version::A, Version::B].map(|version| self.chip(version));
+        let standard = standard.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter();
+        let standard = standard.map(|config| Planned { plan: None, config, start: Start::Warm });
+        let of_plan = |plan| self.planned(plan);
+        let chips: Vec<Planned<'_>> = standard.chain(plans.iter().flat_map(of_plan)).collect();
+        let mut played = self.play(&what, &chips)?.into_iter();
+        let [Some(none), Some(a), Some(b)] = std::array::from_fn(|_| played.next()) else {
             unreachable!("a run a version")
         };
-        let traffic = [&none, &a, &b].map(|(row, traffic)| (row.variant, traffic.clone()));
+        let settings = chips.iter().filter_map(|chip| chip.plan);
+        let traffic = [&none, &a, &b].map(|run| (run.row.variant, run.traffic.clone()));
         Ok(HotSpot {
             scene: stand.scene.to_owned(),
             real: stand.real,
             frame,
             paper: paper.cloned(),
-            no_vm: none.0,
-            version_a: a.0,
-            version_b: b.0,
-            traffic: traffic.into_iter().collect(),
-            alternatives,
+            alternatives: settings
+                .zip(played)
+                .map(|(plan, played)| played.alternative(&plan.setting))
+                .collect(),
+            no_vm: none.row,
+            version_a: a.row,
+            version_b: b.row,
+            traffic: traffic.into_iter().filter_map(|(version, row)| Some((version, row?))).collect(),
         })
     }
-}
 
-/// A traced frame, and the frames before it.
-struct Run<'a> {
-    spot: &'a Spot<'a>,
-    before: &'a [Programs],
-    programs: &'a Programs,
-    rays: u64,
-}
-
-impl Run<'_> {
     fn chip(&self, version: Version) -> Result<ChipConfig, StudyError> {
-        let Spot { stand, setting, .. } = self.spot;
-        Ok(setting(standard::chip(stand.of.unwrap_or_default(), version)?))
+        let Self { stand, how, .. } = self;
+        Ok((how.setting)(standard::chip(stand.of.unwrap_or_default(), version)?))
     }
 
-    /// The caches of a chip when the frame begins.
-    fn caches(&self, config: &ChipConfig, start: Start) -> Result<Caches, StudyError> {
-        let before = &self.before[self.before.len().saturating_sub(start.frames())..];
-        let caches = Caches::after(before, self.programs.triangles, config)?;
-        Ok(if start == Start::ColdFirstLevel { caches.with_cold_first_level() } else { caches })
+    /// The chips of a plan; those that the numbers make none are left out.
+    fn planned<'a>(&self, plan: &'a Plan) -> impl Iterator<Item = Planned<'a>> {
+        let chips = plan.versions.iter().filter_map(|version| (plan.change)(self.chip(*version).ok()?));
+        let start = plan.start;
+        chips.map(move |config| Planned { plan: Some(plan), config, start }).collect::<Vec<_>>().into_iter()
     }
 
-    fn standard(&self, version: Version) -> Result<(TimingRow, TrafficRow), StudyError> {
-        let config = self.chip(version)?;
-        let mut watch = TrafficWatch::new(&self.spot.world.image, &config);
-        let all = vec![true; self.programs.packets.len()];
-        let report = simulate_part(self.caches(&config, Start::Warm)?, self.programs, &all, &mut watch);
-        let Spot { stand, frame, .. } = self.spot;
-        Ok((TimingRow::new(stand.scene, *frame, self.rays, &config, &report), watch.row(&report)))
+    /// The frame on each of the chips. Frames before are traced one by one, and warm the caches of all chips.
+    fn play(&self, what: &str, chips: &[Planned<'_>]) -> Result<Vec<Played>, StudyError> {
+        let Self { world, frame, how, monitor, .. } = *self;
+        let order = PacketOrder::default();
+        let frames = |start: Start| start.warm_up(how.warm_up).before(frame);
+        let history = chips.iter().map(|chip| frames(chip.start)).max().unwrap_or(0);
+        let triangles = world.image.registers.triangles;
+        let empty = chips.iter().map(|chip| Caches::empty(triangles, &chip.config));
+        let mut caches: Vec<Caches> = empty.collect::<Result<_, _>>()?;
+        let recording = monitor.during(&format!("{what}: trace"), |report| {
+            let before = record_before(world, frame, history, how.trace, order, report);
+            for (ago, picture) in (1..=history).rev().zip(before) {
+                let each = std::mem::take(&mut caches).into_par_iter().zip(chips);
+                let warmed = each.map(|(caches, chip)| match ago <= frames(chip.start) {
+                    true => caches.then(&picture),
+                    false => caches,
+                });
+                caches = warmed.collect();
+            }
+            record(world, frame, how.trace, order)
+        });
+        Ok(monitor.during(&format!("{what}: chip"), |_| {
+            let each = caches.into_par_iter().zip(chips);
+            each.map(|(caches, chip)| self.played(caches, chip, &recording)).collect()
+        }))
     }
 
-    /// The frame on another chip; none where the numbers make no chip.
-    fn alternative(&self, plan: &Plan, version: Version) -> Option<Alternative> {
-        let config = (plan.change)(self.chip(version).ok()?)?;
-        self.played(&plan.setting, &config, plan.start).ok()
+    fn played(&self, caches: Caches, chip: &Planned<'_>, recording: &Recording) -> Played {
+        let Planned { plan, config, start } = *chip;
+        let caches = if start == Start::ColdFirstLevel { caches.with_cold_first_level() } else { caches };
+        let programs = &recording.programs;
+        let (report, traffic) = match plan {
+            None => {
+                let mut watch = TrafficWatch::new(&self.world.image, &config);
+                let report = simulate_from(caches, programs, &mut watch);
+                let traffic = watch.row(&report);
+                (report, Some(traffic))
+            }
+            Some(_) => (simulate_from(caches, programs, &mut ()), None),
+        };
+        let rays = recording.picture.rays.total();
+        Played { config, row: TimingRow::new(self.stand.scene, self.frame, rays, &config, &report), traffic }
     }
+}
 
-    fn played(&self, setting: &str, config: &ChipConfig, start: Start) -> Result<Alternative, StudyError> {
-        let all = vec![true; self.programs.packets.len()];
-        let report = simulate_part(self.caches(config, start)?, self.programs, &all, &mut ());
-        let Spot { stand, frame, .. } = self.spot;
-        let geometry = config.cache.geometry;
-        Ok(Alternative {
+impl Played {
+    fn alternative(self, setting: &str) -> Alternative {
+        let CacheConfig { geometry, hash, .. } = self.config.cache;
+        Alternative {
             setting: setting.to_owned(),
             line_bytes: geometry.line().0,
             ways: geometry.ways(),
-            hashed: config.cache.hash != Hash::Low,
+            hashed: hash != Hash::Low,
             metadata_bytes: geometry.metadata().0,
-            run: TimingRow::new(stand.scene, *frame, self.rays, config, &report),
-        })
+            run: self.row,
+        }
     }
 }
 
@@ -255,17 +292,13 @@ pub(crate) fn with_other_tree(
     world: &World,
     frame: usize,
     setting: &str,
-    trace: &TraceOptions,
+    how: &How<'_>,
     monitor: &dyn Monitor,
 ) -> Result<Alternative, StudyError> {
-    let spot = Spot { stand, world, place: 0, frame, setting: STANDARD, trace, monitor };
-    monitor.during(&format!("{}: {setting}", stand.scene), |_| {
-        let before = record_before(world, frame, WARM_UP, trace, PacketOrder::default(), &|_| ());
-        let recording = record(world, frame, trace, PacketOrder::default());
-        let rays = recording.picture.rays.total();
-        let run = Run { spot: &spot, before: &before, programs: &recording.programs, rays };
-        run.played(setting, &run.chip(Version::None)?, Start::Warm)
-    })
+    let spot = Spot { stand, world, place: 0, frame, how, monitor };
+    let chip = Planned { plan: None, config: spot.chip(Version::None)?, start: Start::Warm };
+    let mut played = spot.play(&format!("{}: {setting}", stand.scene), &[chip])?;
+    Ok(played.remove(0).alternative(setting))
 }
 
 /// The four relations within a row that matter more than its digits.

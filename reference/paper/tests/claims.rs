@@ -2,8 +2,9 @@
 
 use saarcor_model::vm::{Bytes, Geometry};
 use saarcor_paper::claims::{Claim, Evidence, Holds, judge};
-use saarcor_paper::table2::{STANDARD, Setting, StandIn, hot_spots};
+use saarcor_paper::table2::{How, STANDARD, Setting, StandIn, hot_spots};
 use saarcor_studies::monitor::Silent;
+use saarcor_studies::simulate::WarmUp;
 use saarcor_studies::trace::{PacketSize, TraceOptions};
 use saarcor_studies::world::{World, WorldOptions};
 
@@ -18,7 +19,8 @@ fn level() -> World {
 fn claim(id: &str, of: &str, world: &World, frame: usize, setting: Setting<'_>) -> Claim {
     let trace = TraceOptions { resolution: (64, 48), packet: PacketSize::Rays64, max_bounces: 1 };
     let stand_in = StandIn { scene: "level", real: false, of: Some(of) };
-    let spots = hot_spots(stand_in, world, &[frame], setting, &trace, &Silent).expect("chips");
+    let how = How { setting, warm_up: WarmUp::ONE, trace: &trace };
+    let spots = hot_spots(stand_in, world, &[frame], &how, &Silent).expect("chips");
     let claims = judge(Evidence { spots: &spots, ..Evidence::default() });
     claims.into_iter().find(|claim| claim.id == id).expect("the claim")
 }
@@ -73,9 +75,10 @@ fn longest_line_is_best_where_nothing_is_loaded() {
 fn each_claim_has_figures_and_a_cause() {
     let world = level();
     let trace = TraceOptions { resolution: (64, 48), packet: PacketSize::Rays64, max_bounces: 1 };
+    let how = How { setting: STANDARD, warm_up: WarmUp::ONE, trace: &trace };
     let of = |of| StandIn { scene: "level", real: false, of };
     for scene in [Some("Conference"), Some("Sodahall"), Some("pQuake3"), None] {
-        let spots = hot_spots(of(scene), &world, &[1, 2], STANDARD, &trace, &Silent).expect("chips");
+        let spots = hot_spots(of(scene), &world, &[1, 2], &how, &Silent).expect("chips");
         let claims = judge(Evidence { spots: &spots, ..Evidence::default() });
         let ids: Vec<_> = claims.iter().map(|claim| claim.id).collect();
         assert!(ids.len() >= 12, "{ids:?}");

@@ -5,6 +5,7 @@
 //! is the result of a run.
 
 use crate::dispatch::{ForPackets, with_packets};
+use crate::error::ParseError;
 use crate::names::version_name;
 use crate::picture::{Picture, put_pixels};
 use crate::trace::{PacketOrder, TraceOptions};
@@ -21,8 +22,10 @@ use saarcor_model::time::{
 };
 use saarcor_model::vm::{HostAddr, Observed, WholeScene};
 use saarcor_oracles::card::CardShadow;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
+use std::fmt;
+use std::str::FromStr;
 
 /// Packets traced before their colours are put into the picture: bounds the memory for colours.
 const PACKETS_A_BATCH: usize = 4096;
@@ -56,24 +59,73 @@ pub fn record(world: &World, frame: usize, options: &TraceOptions, order: Packet
     Recording { programs, picture: Picture { pixels, rays } }
 }
 
-/// The programs of the `warm_up` frames before a frame, as far as the path has them. `report` learns the
-/// part that is done.
-#[must_use]
-pub fn record_before(
-    world: &World,
+/// How many frames before a frame warm the caches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WarmUp(usize);
+
+impl WarmUp {
+    /// The frame before.
+    pub const ONE: Self = Self::frames(1);
+    /// The whole path up to the frame.
+    pub const WALK: Self = Self(usize::MAX);
+
+    /// So many.
+    #[must_use]
+    pub const fn frames(number: usize) -> Self {
+        Self(number)
+    }
+
+    /// So many of them are there before a frame of a path.
+    #[must_use]
+    pub fn before(self, frame: usize) -> usize {
+        self.0.min(frame)
+    }
+}
+
+impl FromStr for WarmUp {
+    type Err = ParseError;
+
+    fn from_str(text: &str) -> Result<Self, ParseError> {
+        match text {
+            "walk" => Ok(Self::WALK),
+            number => number
+                .parse()
+                .map(Self)
+                .map_err(|_| ParseError::new("write a number of frames, or walk for all frames before")),
+        }
+    }
+}
+
+impl fmt::Display for WarmUp {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::WALK => f.write_str("walk"),
+            Self(number) => write!(f, "{number}"),
+        }
+    }
+}
+
+impl Serialize for WarmUp {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+/// The programs of the `warm_up` frames before a frame, as far as the path has them: each is traced when it is asked for.
+/// `report` learns the part that is done.
+pub fn record_before<'a>(
+    world: &'a World,
     frame: usize,
     warm_up: usize,
-    options: &TraceOptions,
+    options: &'a TraceOptions,
     order: PacketOrder,
-    report: &(dyn Fn(f64) + Sync),
-) -> Vec<Programs> {
+    report: &'a (dyn Fn(f64) + Sync),
+) -> impl ExactSizeIterator<Item = Programs> + 'a {
     let first = frame - warm_up.min(frame);
-    (first..frame)
-        .map(|before| {
-            report((before - first) as f64 / (frame - first) as f64);
-            record(world, before, options, order).programs
-        })
-        .collect()
+    (first..frame).map(move |before| {
+        report((before - first) as f64 / (frame - first) as f64);
+        record(world, before, options, order).programs
+    })
 }
 
 /// The programs of some packets of a frame, in their order, and the rays of each.

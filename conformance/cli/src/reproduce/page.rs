@@ -6,6 +6,7 @@ use crate::table::{Table, escaped};
 use saarcor_model::vm::Bytes;
 use saarcor_paper::claims::Claim;
 use saarcor_paper::reproduction::{Extent, Reproduction};
+use saarcor_studies::simulate::WarmUp;
 use std::fmt::Write as _;
 
 const STYLE: &str = include_str!("../page.css");
@@ -117,7 +118,7 @@ pub fn html(report: &Reproduction) -> String {
         section("Metadata", "", &metadata),
         section("Scenes", "", &scenes),
         section("Walks", WALKS_TEXT, &format!("{graphs}{hot_spots}")),
-        section("Chip", CHIP_TEXT, &format!("{chip}{drawn}")),
+        section("Chip", &chip_text(report.warm_up), &format!("{chip}{drawn}")),
         section("What differs, and why", "", &list(&why)),
     ]
     .concat();
@@ -139,9 +140,18 @@ const WALKS_TEXT: &str = "<p>Step one of §4: a sequential ray tracer with the v
     working set is the distinct lines that a frame touches; transferred is what it loads from the host; a collision is the load of \
     a line that lay in the on-board memory earlier in the same frame. The on-board memory stays warm from frame to frame.</p>\n";
 
-const CHIP_TEXT: &str = "<p>Step two of §4: the hot spots of the walks on the whole chip, cycle by cycle, after one frame that \
-    warms the caches; both in the order of their frames, and the same frames for all variants of a scene. PCI is what a frame \
-    loads from the host, Mem what moves between the chip and the on-board memory.</p>\n";
+fn chip_text(warm_up: WarmUp) -> String {
+    let warmed = match warm_up {
+        WarmUp::ONE => "after one frame that warms the caches".to_owned(),
+        WarmUp::WALK => "after all frames before, which warm the caches".to_owned(),
+        frames => format!("after {frames} frames that warm the caches"),
+    };
+    format!(
+        "<p>Step two of §4: the hot spots of the walks on the whole chip, cycle by cycle, {warmed}; both in the order of their \
+         frames, and the same frames for all variants of a scene. PCI is what a frame loads from the host, Mem what moves \
+         between the chip and the on-board memory.</p>\n"
+    )
+}
 
 const QUICK_NOTE: &str = "<p class=\"note\"><strong>Quick form.</strong> The pictures are small, and the walks \
     skip frames. Fewer rays touch fewer lines and share less of what they read, so working sets are smaller and \
@@ -162,9 +172,10 @@ mod tests {
     use saarcor_paper::fit::Fits;
     use saarcor_paper::metadata;
     use saarcor_paper::table1::SceneRow;
-    use saarcor_paper::table2::{STANDARD, StandIn, hot_spots};
+    use saarcor_paper::table2::{How, STANDARD, StandIn, hot_spots};
     use saarcor_paper::tables::table1;
     use saarcor_studies::monitor::Silent;
+    use saarcor_studies::simulate::WarmUp;
     use saarcor_studies::standard;
     use saarcor_studies::trace::{PacketSize, TraceOptions};
     use saarcor_studies::walk::WalkOptions;
@@ -177,7 +188,8 @@ mod tests {
         let resolution = (32, 24);
         let trace = TraceOptions { resolution, packet: PacketSize::Rays64, max_bounces: 1 };
         let stand_in = StandIn { scene: "room", real: false, of: Some("Conference") };
-        let table2 = hot_spots(stand_in, &world, &[1, 2], STANDARD, &trace, &Silent).expect("chips");
+        let how = How { setting: STANDARD, warm_up: WarmUp::ONE, trace: &trace };
+        let table2 = hot_spots(stand_in, &world, &[1, 2], &how, &Silent).expect("chips");
         let metadata = metadata::examples();
         let cache = standard::cache("Conference").expect("a cache");
         let options = WalkOptions { cache, cold: false, trace };
@@ -191,6 +203,7 @@ mod tests {
             scene: None,
             extent: Extent::Quick,
             resolution,
+            warm_up: WarmUp::ONE,
             metadata,
             table1: scenes,
             figure3,

@@ -5,8 +5,9 @@ use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::{Progress, Remaining};
 use crate::table::{Column, Table};
 use anyhow::{Context, Result, ensure};
-use saarcor_paper::sensitivity::{Bar, Effect, Measured, Options, Sensitivity, Setting, measure};
-use std::collections::BTreeMap;
+use saarcor_paper::sensitivity::{
+    Bar, Effect, Errors, Measured, Options, SampleFacts, Sensitivity, Setting, measure,
+};
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write as _};
 use std::path::Path;
@@ -43,7 +44,7 @@ pub fn run(
         let remaining = Remaining::new();
         measure(options, settings, known, &mut keep, progress, &mut |part| remaining.say(part, progress))
             .with_context(|| path.display().to_string())?;
-        Ok(Sensitivity::of(options, settings, known))
+        Ok(Sensitivity::of(options, settings, known)?)
     };
     let mut sensitivity = complete(&settings, &mut known)?;
     if over.is_empty() {
@@ -89,30 +90,71 @@ fn open(path: &Path) -> Result<(Vec<Measured>, File)> {
 }
 
 fn print(sensitivity: &Sensitivity, out: &mut Stdout) -> Result<()> {
-    let Sensitivity { settings, defaults, bars, strongest, combinations, .. } = sensitivity;
-    let rows = defaults.get("all").map_or(0, |effect| effect.rows);
+    let Sensitivity { settings, sample, defaults, bars, strongest, combinations, .. } = sensitivity;
+    let rows = defaults.effects.get("all").map_or(0, |effect| effect.rows);
     out.line(format_args!(
         "{settings} settings over {rows} rows. Errors in percent, changes in points of percent"
     ))?;
+    if let Some(sample) = sample {
+        out.line(worth(sample))?;
+    }
     out.line("")?;
+    let all = || std::iter::once(defaults).chain(bars).chain(combinations);
+    let name =
+        |bar: &Bar| if bar.setting.is_empty() { "the defaults".to_owned() } else { bar.setting.clone() };
     let names = ["A / no VM", "B / no VM", "Mem B / A", "fps", "Mem", "PCI"];
     let numbers = ["error", "change", "built-in", "real", "95 % over families"].into_iter().chain(names);
     let mut table = Table::new(std::iter::once(Column::text("setting")).chain(numbers.map(Column::number)));
-    let mut row = |setting: &str, effects: &BTreeMap<&'static str, Effect>| {
-        let Some(Effect { errors, change, interval: [low, high], .. }) = effects.get("all") else { return };
-        let of =
-            |set: &str| effects.get(set).map_or_else(String::new, |effect| format!("{:+.1}", effect.change));
+    for bar in all() {
+        let Some(Effect { errors, change, interval: [low, high], .. }) = bar.effects.get("all") else {
+            continue;
+        };
+        let of = |set: &str| {
+            bar.effects.get(set).map_or_else(String::new, |effect| format!("{:+.1}", effect.change))
+        };
         let absolute = [errors.a, errors.b, errors.mem_b_of_a, errors.fps, errors.mem, errors.pci];
-        let first = [setting.to_owned(), format!("{:.1}", errors.relations), format!("{change:+.1}")];
+        let first = [name(bar), format!("{:.1}", errors.relations), format!("{change:+.1}")];
         let interval = format!("{low:+.1} to {high:+.1}");
         let cells = [of("built_in"), of("real"), interval].into_iter();
         table.row(first.into_iter().chain(cells).chain(absolute.map(|error| format!("{error:.1}"))));
-    };
-    row("the defaults", defaults);
-    bars.iter().chain(combinations).for_each(|Bar { setting, effects }| row(setting, effects));
+    }
+    out.line(table)?;
+    out.line("")?;
+    out.line("Ours / the paper's, geometric means of a family: frames a second without virtual memory, Mem and PCI of version A")?;
+    out.line("")?;
+    let families: Vec<&str> = defaults.families.keys().map(String::as_str).collect();
+    let columns = families.iter().map(|family| Column::number(*family));
+    let mut table = Table::new(std::iter::once(Column::text("setting")).chain(columns));
+    for bar in all() {
+        let cell = |family: &&str| {
+            let ratios = |errors: &Errors| {
+                [errors.fps_ratio, errors.mem_ratio, errors.pci_ratio].map(ratio).join("  ")
+            };
+            bar.families.get(*family).map_or_else(String::new, ratios)
+        };
+        table.row(std::iter::once(name(bar)).chain(families.iter().map(cell)));
+    }
     out.line(table)?;
     out.line("")?;
     out.line(format_args!("the strongest numbers: {}", strongest[..strongest.len().min(4)].join(", ")))
+}
+
+/// A ratio with about three digits.
+fn ratio(value: f64) -> String {
+    format!("{value:.*}", if value < 10.0 { 2 } else { 0 })
+}
+
+/// What a sample is worth, in words.
+fn worth(sample: &SampleFacts) -> String {
+    let SampleFacts { part, rows: (rows, all), settings, error, within } = sample;
+    let shown = match error {
+        None => "no setting was measured with all rows, so nothing but the intervals says what the sample is worth".to_owned(),
+        Some(error) => format!(
+            "by the {settings} settings that all rows were measured with, its changes are off by {error:.2} points (root of the \
+             mean square), and {within} lie in its interval"
+        ),
+    };
+    format!("A sample of {part}, {rows} of {all} rows: {shown}")
 }
 
 #[cfg(test)]
@@ -123,7 +165,7 @@ mod tests {
     fn run_that_was_stopped_goes_on_behind_the_last_whole_line() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("sensitivity.jsonl");
-        let line = r#"{"defaults":"0","resolution":[8,8],"scene":"s","real":false,"of":"Sodahall","row":"a","frame":1,"setting":"","fps":[1.0,1.0,1.0],"mem_bytes":[1,1,1],"pci_bytes":[1,1]}"#;
+        let line = r#"{"defaults":"0","resolution":[8,8],"scene":"s","real":false,"of":"Sodahall","row":"a","frame":1,"hot_spots":[1],"setting":"","fps":[1.0,1.0,1.0],"mem_bytes":[1,1,1],"pci_bytes":[1,1]}"#;
         fs::write(&path, format!("{line}\n{}", &line[..30])).expect("written");
         let (known, mut file) = open(&path).expect("opened");
         assert_eq!(known.len(), 1);

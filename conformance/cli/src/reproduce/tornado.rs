@@ -6,7 +6,7 @@ use kuva::plot::BarPlot;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
-use saarcor_paper::sensitivity::{Effect, Errors, Sensitivity};
+use saarcor_paper::sensitivity::{Bar, Errors, Sensitivity};
 
 /// Of which error a tornado is.
 pub struct Tornado {
@@ -36,12 +36,10 @@ const COLOURS: [&str; 2] = ["#2f7fc1", "#c8641b"];
 impl Tornado {
     /// The drawing: the longest bar at the top.
     pub fn svg(&self, sensitivity: &Sensitivity) -> String {
-        let all = |effects: &std::collections::BTreeMap<&'static str, Effect>| {
-            effects.get("all").map_or(0.0, |effect| (self.error)(&effect.errors))
-        };
+        let all = |bar: &Bar| bar.effects.get("all").map_or(0.0, |effect| (self.error)(&effect.errors));
         let defaults = all(&sensitivity.defaults);
         let mut bars: Vec<(&str, f64)> =
-            sensitivity.bars.iter().map(|bar| (bar.setting.as_str(), all(&bar.effects) - defaults)).collect();
+            sensitivity.bars.iter().map(|bar| (bar.setting.as_str(), all(bar) - defaults)).collect();
         let left_out = bars.len();
         bars.retain(|(_, change)| change.abs() >= WORTH_A_BAR);
         let left_out = left_out - bars.len();
@@ -65,7 +63,7 @@ impl Tornado {
             "Change of the geometric error of {} over {} rows when one Assumed number has another value. {left_out} values \
              that change it by less than {WORTH_A_BAR} points are left out.",
             self.of,
-            sensitivity.defaults.get("all").map_or(0, |effect| effect.rows),
+            sensitivity.defaults.effects.get("all").map_or(0, |effect| effect.rows),
         );
         accessible(&drawn, self.file, &title, &description, (scene.width, scene.height))
     }

@@ -12,6 +12,8 @@ use saarcor_model::vm::{Bytes, CacheConfig, Geometry};
 use saarcor_paper::MB;
 use saarcor_paper::reproduction::{Extent, OwnScene, Reproduction, ReproductionOptions};
 use saarcor_paper::sensitivity::{NUMBERS, Options, Setting};
+use saarcor_studies::sampling::plan::SampleFraction;
+use saarcor_studies::simulate::WarmUp;
 use saarcor_studies::standard;
 use std::path::{Path, PathBuf};
 
@@ -39,6 +41,9 @@ pub struct Args {
     /// On-board memory of the scene [default: 8MiB]
     #[arg(long, value_name = "SIZE", requires = "scene")]
     memory: Option<Size>,
+    /// Each hot spot begins with what the N frames before left in the caches, or with "walk" all frames before: hours
+    #[arg(long, value_name = "N|walk", default_value_t = WarmUp::ONE, conflicts_with = "sensitivity")]
+    warm_up: WarmUp,
     /// Instead of the figures, Table 2 with other values of each Assumed number: hours, but a run goes on where one was
     /// stopped
     ///
@@ -52,6 +57,9 @@ pub struct Args {
     /// Several values at a time, such as "granule=16 B,banks=8"; may be given more than once
     #[arg(long, value_name = "SETTING", requires = "sensitivity")]
     combine: Vec<Setting>,
+    /// Measures a part of the rows, such as 1/4, evenly drawn from all; a later run without it goes on from there
+    #[arg(long, value_name = "F", requires = "sensitivity")]
+    sample: Option<SampleFraction>,
     /// Prints all figures as one JSON object
     #[arg(long)]
     json: bool,
@@ -74,7 +82,8 @@ impl Args {
             (false, true) => Extent::All,
         };
         if self.sensitivity {
-            let options = Options { extent, scenes: self.scenes };
+            let sample = self.sample.unwrap_or(SampleFraction::one_of(1));
+            let options = Options { extent, scenes: self.scenes, sample };
             return sensitivity::run(&self.out, &options, &self.over, &self.combine, self.json, progress);
         }
         let own = self.scene.as_ref().map(|scene| self.own_scene(scene)).transpose()?;
@@ -82,7 +91,7 @@ impl Args {
         let reproduction = if let Some(own) = own {
             Reproduction::of_scene(&own, extent, progress)?
         } else {
-            let options = ReproductionOptions { extent, scenes: self.scenes };
+            let options = ReproductionOptions { extent, scenes: self.scenes, warm_up: self.warm_up };
             let remaining = Remaining::new();
             Reproduction::compute(&options, progress, &mut |part| remaining.say(part, progress))?
         };
@@ -96,6 +105,7 @@ impl Args {
         progress.say(format_args!("written: {}", page.display()));
         out.finish()
     }
+
     /// The scene of the user's, with its memory and others to compare.
     fn own_scene(&self, scene: &SceneName) -> Result<OwnScene> {
         let text = scene.text();
@@ -116,6 +126,7 @@ impl Args {
             name: name.into_owned(),
             cache: with(memory)?,
             memories: memories.into_iter().map(|memory| with(Bytes(memory))).collect::<Result<_>>()?,
+            warm_up: self.warm_up,
         })
     }
 }

@@ -8,9 +8,9 @@ use crate::progress::Progress;
 use crate::status::Status;
 use crate::table::{Column, Table};
 use crate::{sample, summary};
-use anyhow::Result;
-use saarcor_fast::chip::{simulate, simulate_observed};
-use saarcor_model::time::{ChipConfig, Programs, TimingReport, UNIT_NAMES, Version};
+use anyhow::{Result, ensure};
+use saarcor_fast::chip::{Caches, ChipObserver, simulate_from};
+use saarcor_model::time::{ChipConfig, TimingReport, UNIT_NAMES, Version};
 use saarcor_model::vm::Bytes;
 use saarcor_oracles::card::CardShadow;
 use saarcor_oracles::memory_protocol::HEADER;
@@ -18,12 +18,15 @@ use saarcor_paper::mb;
 use saarcor_studies::names::version_name;
 use saarcor_studies::sampling::plan::SampleFraction;
 use saarcor_studies::sampling::simulate::{SampledFrame, simulate_sample};
-use saarcor_studies::simulate::{Recording, TimingRow, Watch, command_line, record, record_before};
+use saarcor_studies::simulate::{Recording, TimingRow, WarmUp, Watch, command_line, record, record_before};
 use saarcor_studies::summary::Summary;
 use saarcor_studies::world::World;
 use serde::Serialize;
 use std::io::Write as _;
 use std::path::PathBuf;
+
+/// Frames whose programs are kept in memory together: tens of MB each.
+const MOST_KEPT: usize = 16;
 
 /// A frame, and the chip that it is simulated on.
 #[derive(Clone, Debug, clap::Args)]
@@ -39,9 +42,9 @@ pub struct FrameArgs {
     pub trace: TraceArgs,
     #[command(flatten)]
     pub cache: CacheArgs,
-    /// Begins with what the N frames before left in the caches
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub warm_up: usize,
+    /// Begins with what the N frames before left in the caches, or with "walk" all frames before
+    #[arg(long, value_name = "N|walk", default_value_t = WarmUp::ONE)]
+    pub warm_up: WarmUp,
 }
 
 impl FrameArgs {
@@ -56,6 +59,19 @@ impl FrameArgs {
         Ok(config)
     }
 
+    /// Refuses more frames before than are kept in memory together, where they are needed more than once.
+    ///
+    /// # Errors
+    /// If there are more.
+    pub fn check_kept(&self) -> Result<()> {
+        let kept = self.warm_up.before(self.frame);
+        ensure!(
+            kept <= MOST_KEPT,
+            "--warm-up: {kept} frames before are kept in memory here; at most {MOST_KEPT}"
+        );
+        Ok(())
+    }
+
     /// The scene made ready, with a path that has the frame.
     ///
     /// # Errors
@@ -64,13 +80,24 @@ impl FrameArgs {
         Ok(World::open(&self.scene.options(Some(self.frame)), progress)?)
     }
 
-    /// The programs of the frames before, which warm the caches, and the frame.
-    pub fn record(&self, world: &World, progress: &Progress) -> (Vec<Programs>, Recording) {
+    /// Traces the frame, and plays it on a chip whose caches the frames before have warmed, one after the other.
+    fn play(
+        &self,
+        world: &World,
+        config: &ChipConfig,
+        observer: &mut impl ChipObserver,
+        progress: &Progress,
+    ) -> Result<(Recording, TimingReport)> {
         let (options, order) = (self.trace.options(), self.chip.order);
-        let before = progress.during("trace of the frames before", |report| {
-            record_before(world, self.frame, self.warm_up, &options, order, report)
+        let empty = Caches::empty(world.image.registers.triangles, config)?;
+        let caches = progress.during("trace of the frames before", |report| {
+            let before =
+                record_before(world, self.frame, self.warm_up.before(self.frame), &options, order, report);
+            before.fold(empty, |caches, picture| caches.then_observed(&picture, observer))
         });
-        (before, progress.during("trace", |_| record(world, self.frame, &options, order)))
+        let recording = progress.during("trace", |_| record(world, self.frame, &options, order));
+        let report = progress.during("chip", |_| simulate_from(caches, &recording.programs, observer));
+        Ok((recording, report))
     }
 
     /// The frame, of which a part is worked on in full.
@@ -125,6 +152,7 @@ impl Args {
     /// Simulates, and prints what the frame took.
     pub fn run(self, progress: &Progress) -> Result<Status> {
         let config = self.frame.config()?;
+        self.sample.map_or(Ok(()), |_| self.frame.check_kept())?;
         let file = self.out.as_deref().map(|path| OutFile::check(path)?.with_ending(&["png"])).transpose()?;
         let commands = self.sdram_commands.as_deref();
         let commands = commands.map(|path| OutFile::check(path)?.with_ending(&["csv"])).transpose()?;
@@ -157,13 +185,14 @@ impl Args {
             }
             return out.finish().map(|()| Status::Holds);
         }
-        let (before, recording) = self.frame.record(&world, progress);
-        let programs = &recording.programs;
         let mut shadow = self.check_bytes.then(|| CardShadow::new(&world.image.bytes, &config));
-        let report = progress.during("chip", |_| match (&mut shadow, commands) {
-            (None, None) => Ok(simulate(&before, programs, &config)?),
-            (shadow, commands) => watched(&before, programs, &config, shadow.as_mut(), commands),
-        })?;
+        let (recording, report) = match (&mut shadow, commands) {
+            (None, None) => self.frame.play(&world, &config, &mut (), progress)?,
+            (shadow, commands) => {
+                let play = |watch: &mut Watch<'_, '_>| self.frame.play(&world, &config, watch, progress);
+                watched(play, shadow.as_mut(), commands)?
+            }
+        };
         if let Some(file) = file {
             file.write(|out| write_png(&recording.picture.pixels, out))?;
         }
@@ -195,17 +224,13 @@ impl Args {
     }
 }
 
-/// The report of a run that keeps a shadow of the card, and writes the commands of the memory chips to a file.
-fn watched(
-    before: &[Programs],
-    programs: &Programs,
-    config: &ChipConfig,
+/// A run that keeps a shadow of the card, and writes the commands of the memory chips to a file.
+fn watched<T>(
+    play: impl FnOnce(&mut Watch<'_, '_>) -> Result<T>,
     shadow: Option<&mut CardShadow<'_>>,
     file: Option<OutFile>,
-) -> Result<TimingReport> {
-    let Some(file) = file else {
-        return Ok(simulate_observed(before, programs, config, &mut Watch { shadow, commands: None })?);
-    };
+) -> Result<T> {
+    let Some(file) = file else { return play(&mut Watch { shadow, commands: None }) };
     file.write(|out| {
         let mut written = writeln!(out, "{HEADER}");
         let mut write = |clock, command| {
@@ -213,10 +238,9 @@ fn watched(
                 written = writeln!(out, "{}", command_line(clock, command));
             }
         };
-        let mut watch = Watch { shadow, commands: Some(&mut write) };
-        let report = simulate_observed(before, programs, config, &mut watch)?;
+        let played = play(&mut Watch { shadow, commands: Some(&mut write) })?;
         written?;
-        Ok(report)
+        Ok(played)
     })
 }
 

@@ -9,6 +9,7 @@ use saarcor_model::time::Version;
 use saarcor_studies::sampling::accuracy::{Accuracy, of_simulate, of_walk};
 use saarcor_studies::sampling::plan::{Plan, SampleFraction};
 use saarcor_studies::sampling::simulate::SampledFrame;
+use saarcor_studies::simulate::WarmUp;
 use saarcor_studies::standard;
 use saarcor_studies::trace::{PacketOrder, PacketSize, TraceOptions};
 use saarcor_studies::walk::WalkOptions;
@@ -67,8 +68,13 @@ impl SimulatorArgs {
             })?;
             print(&walk, json, &mut out)?;
             let chip = standard::chip(scene, Version::A)?;
-            let sampled =
-                SampledFrame { frame: 0, warm_up: 1, trace, order, part: SampleFraction::one_of(1) };
+            let sampled = SampledFrame {
+                frame: 0,
+                warm_up: WarmUp::ONE,
+                trace,
+                order,
+                part: SampleFraction::one_of(1),
+            };
             let simulate = progress.during(&format!("{scene}: simulate"), |report| {
                 of_simulate(&world, frames, &parts, &sampled, &chip, report)
             })?;

@@ -10,9 +10,10 @@ use crate::results::{Results, merged};
 use crate::summary;
 use crate::table::{Column, Table};
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use saarcor_model::time::ChipConfig;
+use saarcor_model::time::{ChipConfig, Programs};
 use saarcor_model::vm::Bytes;
 use saarcor_paper::mb;
+use saarcor_studies::simulate::{record, record_before};
 use saarcor_studies::summary::Summary;
 use saarcor_studies::sweep::{Axis, Point, PointCosts, Position, Shard, Sweep, grid, identity};
 use serde_json::Value;
@@ -63,6 +64,7 @@ impl Args {
         } else if shown.svg.is_some() {
             bail!("--svg: {} axes; curves are drawn over one", self.over.len());
         }
+        frame.check_kept()?;
         let world = frame.world(progress)?;
         shown.check_inputs(&world.files)?;
         if let Some(out) = &self.out {
@@ -82,7 +84,12 @@ impl Args {
             check_together(caches, at_a_time, Bytes(world.image.bytes.len() as u64))?;
             progress.say(summary::image_line(&Summary::of(&world)));
             progress.say(format!("{} points, {} left", mine.len(), mine.len() - results.lines.len()));
-            let (before, recording) = frame.record(&world, progress);
+            let (options, order) = (frame.trace.options(), frame.chip.order);
+            let before: Vec<Programs> = progress.during("trace of the frames before", |report| {
+                let count = frame.warm_up.before(frame.frame);
+                record_before(&world, frame.frame, count, &options, order, report).collect()
+            });
+            let recording = progress.during("trace", |_| record(&world, frame.frame, &options, order));
             let sweep = Sweep {
                 scene: &frame.scene.scene.text(),
                 frame: frame.frame,

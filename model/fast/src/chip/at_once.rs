@@ -15,8 +15,18 @@ pub struct Caches {
 }
 
 impl Caches {
-    /// Those of the chip `config` after pictures whose packets are worked on one after the other, without
-    /// time (CH-19), of a scene whose `triangles` begin there (L1-1).
+    /// Those of the chip `config`, empty, for a scene whose `triangles` begin there (L1-1).
+    ///
+    /// # Errors
+    /// If the configuration makes no chip.
+    pub fn empty(triangles: HostAddr, config: &ChipConfig) -> Result<Self, ConfigError> {
+        config.check()?;
+        let nothing = Programs { packets: Vec::new(), triangles };
+        let Chip { l1, tags, .. } = Chip::new(&nothing, &[], config, &mut ());
+        Ok(Self { config: *config, l1: l1.map(|l1| l1.cache), tags })
+    }
+
+    /// Those of the chip `config` after these pictures ([`Caches::then`]).
     ///
     /// # Errors
     /// If the configuration makes no chip.
@@ -25,26 +35,23 @@ impl Caches {
         triangles: HostAddr,
         config: &ChipConfig,
     ) -> Result<Self, ConfigError> {
-        Self::after_observed(before, triangles, config, &mut ())
+        Ok(before.into_iter().fold(Self::empty(triangles, config)?, Self::then))
     }
 
-    /// [`Caches::after`]; `observer` sees what the pictures write to the card.
-    ///
-    /// # Errors
-    /// If the configuration makes no chip.
-    pub fn after_observed<'a>(
-        before: impl IntoIterator<Item = &'a Programs>,
-        triangles: HostAddr,
-        config: &ChipConfig,
-        observer: &mut impl ChipObserver,
-    ) -> Result<Self, ConfigError> {
-        config.check()?;
-        let nothing = Programs { packets: Vec::new(), triangles };
-        let mut chip = Chip::new(&nothing, &[], config, observer);
-        for operation in before.into_iter().flat_map(Programs::in_order) {
-            chip.read_at_once(operation, None);
-        }
-        Ok(Self { config: *config, l1: chip.l1.map(|l1| l1.cache), tags: chip.tags })
+    /// What they hold after a picture whose packets are worked on one after the other, without time (CH-19).
+    #[must_use]
+    pub fn then(self, picture: &Programs) -> Self {
+        self.then_observed(picture, &mut ())
+    }
+
+    /// [`Caches::then`]; `observer` sees what the picture writes to the card.
+    #[must_use]
+    pub fn then_observed(self, picture: &Programs, observer: &mut impl ChipObserver) -> Self {
+        let config = self.config;
+        let nothing = Programs { packets: Vec::new(), triangles: picture.triangles };
+        let mut chip = Chip::new(&nothing, &[], &config, observer).with(self);
+        picture.in_order().for_each(|operation| chip.read_at_once(operation, None));
+        Self { config, l1: chip.l1.map(|l1| l1.cache), tags: chip.tags }
     }
 
     /// The same virtual memory behind first-level caches that hold nothing.

@@ -5,14 +5,16 @@ use crate::error::ReproductionError;
 use crate::reproduction::Extent;
 use crate::sections::Section;
 use crate::table2::rows_of;
+use crate::tables::Table2Row;
 use rayon::prelude::*;
-use saarcor_fast::chip::{Caches, simulate_part};
-use saarcor_model::time::{ChipConfig, Programs, Version};
+use saarcor_fast::chip::{Caches, simulate_from};
+use saarcor_model::time::{ChipConfig, Version};
 use saarcor_scenes::kdbuild::BuildOptions;
 use saarcor_studies::StudyError;
 use saarcor_studies::monitor::Monitor;
-use saarcor_studies::simulate::{record, record_before};
-use saarcor_studies::standard;
+use saarcor_studies::sampling::plan::SampleFraction;
+use saarcor_studies::simulate::{WarmUp, record, record_before};
+use saarcor_studies::standard::{self, family};
 use saarcor_studies::trace::{PacketOrder, TraceOptions};
 use saarcor_studies::world::{World, WorldOptions};
 use serde::{Deserialize, Serialize};
@@ -86,11 +88,11 @@ impl Setting {
     }
 
     fn tracing(&self, trace: TraceOptions) -> Tracing {
-        let mut tracing = Tracing { trace, order: PacketOrder::default(), warm_up: crate::table2::WARM_UP };
+        let mut tracing = Tracing { trace, order: PacketOrder::default(), warm_up: WarmUp::ONE };
         for change in self.changes() {
             match change {
                 Change::Trace(change) => change(&mut tracing.trace, &mut tracing.order),
-                Change::WarmUp(frames) => tracing.warm_up = frames,
+                Change::WarmUp(frames) => tracing.warm_up = WarmUp::frames(frames),
                 Change::Chip(_) | Change::ColdFirstLevel | Change::World(..) => {}
             }
         }
@@ -116,14 +118,14 @@ impl Setting {
 struct Tracing {
     trace: TraceOptions,
     order: PacketOrder,
-    warm_up: usize,
+    warm_up: WarmUp,
 }
 
 impl Tracing {
     /// Distinguishes it from others.
     fn key(&self) -> String {
         let Self { trace, order, warm_up } = self;
-        format!("{trace:?} {order:?} {warm_up}")
+        format!("{trace:?} {order:?} {warm_up:?}")
     }
 }
 
@@ -145,6 +147,8 @@ pub struct Measured {
     pub row: String,
     /// Number of the frame in our path.
     pub frame: usize,
+    /// The frames of all rows of the scene: the hot spots of its family.
+    pub hot_spots: Vec<usize>,
     /// The setting; empty for the defaults.
     pub setting: String,
     /// Frames a second without virtual memory, in version A and in B.
@@ -159,6 +163,25 @@ impl Measured {
     /// Whether it is of the pictures of `extent`, by the defaults of this program.
     pub(super) fn is_of(&self, extent: Extent) -> bool {
         self.resolution == extent.trace().resolution && self.defaults == defaults()
+    }
+
+    /// A built-in row, of which nothing is known.
+    #[cfg(test)]
+    pub(super) fn blank(extent: Extent, scene: &str, frame: &str, setting: &str) -> Self {
+        Self {
+            defaults: defaults(),
+            resolution: extent.trace().resolution,
+            scene: scene.to_lowercase(),
+            real: false,
+            of: scene.to_owned(),
+            row: frame.to_owned(),
+            frame: 0,
+            hot_spots: Vec::new(),
+            setting: setting.to_owned(),
+            fps: [0.0; 3],
+            mem_bytes: [0; 3],
+            pci_bytes: [0; 2],
+        }
     }
 
     /// The row that it stands for.
@@ -181,6 +204,25 @@ pub struct Options {
     pub extent: Extent,
     /// A folder with the real scenes.
     pub scenes: Option<PathBuf>,
+    /// The part of the rows that is measured.
+    pub sample: SampleFraction,
+}
+
+impl Options {
+    /// All rows.
+    pub(super) fn rows(&self) -> Result<usize, ReproductionError> {
+        let sections = Section::all(self.scenes.as_deref())?;
+        Ok(rows_in(&sections, SampleFraction::one_of(1)).len())
+    }
+
+    /// The rows that are drawn, as [`Measured::place`] names them.
+    pub(super) fn drawn(&self) -> Result<BTreeSet<(bool, &'static str, &'static str)>, ReproductionError> {
+        let sections = Section::all(self.scenes.as_deref())?;
+        let place = |(section, (_, row)): &(&Section, (usize, &'static Table2Row))| {
+            (section.real, row.scene.as_str(), row.frame.as_str())
+        };
+        Ok(rows_in(&sections, self.sample).iter().map(place).collect())
+    }
 }
 
 /// Measures all rows with all settings that `known` lacks, those of the defaults before all others, and adds them.
@@ -197,50 +239,71 @@ pub fn measure(
     report: &mut dyn FnMut(f64),
 ) -> Result<(), ReproductionError> {
     let sections = Section::all(options.scenes.as_deref())?;
+    let rows = rows_in(&sections, options.sample);
+    let is_left = |section: &Section| rows.iter().any(|(other, _)| std::ptr::eq(*other, section));
     let mut frames_of: BTreeMap<(&str, bool), Vec<usize>> = BTreeMap::new();
-    let all: f64 = sections.iter().map(|section| section.seconds(options.extent)).sum();
+    let all: f64 = sections
+        .iter()
+        .filter(|section| is_left(section))
+        .map(|section| section.seconds(options.extent))
+        .sum();
     let mut done = 0.0;
     for section in &sections {
-        let work = SectionWork { section, options, settings, monitor };
+        let of_section = rows.iter().filter(|(other, _)| std::ptr::eq(*other, section));
+        let rows: Vec<(usize, &Table2Row)> = of_section.map(|(_, row)| *row).collect();
+        let work = SectionWork { section, rows: &rows, options, settings, monitor };
         let frames = frames_of.entry(section.family()).or_default();
         work.measure(frames, known, keep)?;
-        done += section.seconds(options.extent);
-        report(done / all);
+        if is_left(section) {
+            done += section.seconds(options.extent);
+            report(done / all);
+        }
     }
     Ok(())
 }
 
+/// The rows of some sections that a sample draws, each with its place among the rows of its section.
+fn rows_in<'a>(
+    sections: &'a [Section],
+    sample: SampleFraction,
+) -> Vec<(&'a Section, (usize, &'static Table2Row))> {
+    let rows = |section: &'a Section| rows_of(&section.row.scene).enumerate().map(move |row| (section, row));
+    let all = sections.iter().flat_map(rows).enumerate();
+    all.filter(|(place, _)| sample.draws(*place)).map(|(_, row)| row).collect()
+}
+
 struct SectionWork<'a> {
     section: &'a Section,
+    /// The rows that are measured, each with its place among the section's.
+    rows: &'a [(usize, &'static Table2Row)],
     options: &'a Options,
     settings: &'a [Setting],
     monitor: &'a dyn Monitor,
 }
 
 impl SectionWork<'_> {
-    /// Measures what `known` lacks of the section. `frames` are the hot spots of its family: the section that is walked
-    /// fills them.
+    /// Measures what `known` lacks of the section. `frames` are the hot spots of its family, if they are known: they
+    /// stand in what was measured, and else the section that is walked finds them.
     fn measure(
         &self,
         frames: &mut Vec<usize>,
         known: &mut Vec<Measured>,
         keep: &mut dyn FnMut(&Measured) -> std::io::Result<()>,
     ) -> Result<(), ReproductionError> {
-        let Self { section, options, settings, monitor } = *self;
-        let rows: Vec<_> = rows_of(&section.row.scene).collect();
-        let here: Vec<Measured> = known.iter().filter(|one| self.is_here(one)).cloned().collect();
-        let of_defaults = |row: &str| here.iter().find(|one| one.row == row && one.setting.is_empty());
-        let kept: Option<Vec<usize>> =
-            rows.iter().map(|row| of_defaults(&row.frame).map(|one| one.frame)).collect();
-        if let (true, Some(kept)) = (frames.is_empty(), &kept) {
-            frames.clone_from(kept);
+        let Self { section, rows, options, settings, monitor } = *self;
+        if let Some(one) = known.iter().find(|one| self.is_of_family(one)) {
+            frames.clone_from(&one.hot_spots);
         }
-        let is_lacking = |row: &str, setting: &Setting| {
-            !here.iter().any(|one| one.row == row && one.setting == setting.to_string())
-        };
+        let here: BTreeSet<(String, String)> = known
+            .iter()
+            .filter(|one| self.is_of_family(one) && one.of == section.row.scene)
+            .map(|one| (one.row.clone(), one.setting.clone()))
+            .collect();
+        let is_lacking =
+            |row: &str, setting: &Setting| !here.contains(&(row.to_owned(), setting.to_string()));
         let defaults = Setting::default();
         let all: Vec<&Setting> = std::iter::once(&defaults).chain(settings).collect();
-        let lacks = |setting: &&&Setting| rows.iter().any(|row| is_lacking(&row.frame, setting));
+        let lacks = |setting: &&&Setting| rows.iter().any(|(_, row)| is_lacking(&row.frame, setting));
         // Settings on one world follow one another: it is opened once.
         let mut worlds: Vec<(WorldOptions, Vec<&Setting>)> = Vec::new();
         for setting in all.iter().filter(lacks) {
@@ -251,17 +314,20 @@ impl SectionWork<'_> {
                 None => worlds.push((world, vec![setting])),
             }
         }
+        if frames.is_empty() && section.step(options.extent).is_some() {
+            let world = World::open(&section.options, monitor)?;
+            let graph = section.graph(&world, options.extent, monitor)?;
+            let spots = graph.into_iter().flat_map(|graph| graph.hot_spots);
+            frames.extend(spots.map(|spot| spot.frame));
+        }
         for (world, settings) in worlds {
             let world = World::open(&world, monitor)?;
-            if frames.is_empty() {
-                let graph = section.graph(&world, options.extent, monitor)?;
-                let spots = graph.into_iter().flat_map(|graph| graph.hot_spots);
-                frames.extend(spots.map(|spot| spot.frame));
-            }
-            for (row, &frame) in rows.iter().zip(frames.iter()) {
+            for (place, row) in rows {
                 let lacking: Vec<&Setting> =
                     settings.iter().filter(|setting| is_lacking(&row.frame, setting)).copied().collect();
-                for measured in self.row(&row.frame, &world, frame, &lacking)? {
+                let Some(&frame) = frames.get(*place) else { continue };
+                for mut measured in self.row(&row.frame, &world, frame, &lacking)? {
+                    measured.hot_spots.clone_from(frames);
                     keep(&measured)?;
                     known.push(measured);
                 }
@@ -270,9 +336,9 @@ impl SectionWork<'_> {
         Ok(())
     }
 
-    fn is_here(&self, one: &Measured) -> bool {
-        let Self { section, options, .. } = self;
-        (section.real, &section.row.scene) == (one.real, &one.of) && one.is_of(options.extent)
+    /// Whether it was measured of a scene that has the same hot spots.
+    fn is_of_family(&self, one: &Measured) -> bool {
+        self.section.family() == (family(&one.of), one.real) && one.is_of(self.options.extent)
     }
 
     /// A row with each of the settings, which are on one world.
@@ -294,19 +360,12 @@ impl SectionWork<'_> {
             }
         }
         let mut measured = Vec::new();
-        for (Tracing { trace, order, warm_up }, settings) in tracings {
+        for (tracing, settings) in tracings {
             let what =
                 format!("{} for {}, {row}: {} settings", section.name, section.row.scene, settings.len());
-            let played = monitor.during(&what, |_| {
-                let before = record_before(world, frame, warm_up, &trace, order, &|_| ());
-                let programs = record(world, frame, &trace, order).programs;
-                let of = &section.row.scene;
-                settings
-                    .par_iter()
-                    .map(|setting| play(setting, of, &before, &programs))
-                    .collect::<Result<Vec<_>, _>>()
-            })?;
-            let line = |(setting, Played { fps, mem_bytes, pci_bytes }): (&Setting, Played)| Measured {
+            let played =
+                monitor.during(&what, |_| play(&settings, &section.row.scene, world, frame, &tracing))?;
+            let line = |(setting, [none, a, b]): (&Setting, [Run; 3])| Measured {
                 defaults: defaults(),
                 resolution: options.extent.trace().resolution,
                 scene: section.name.clone(),
@@ -314,10 +373,11 @@ impl SectionWork<'_> {
                 of: section.row.scene.clone(),
                 row: row.to_owned(),
                 frame,
+                hot_spots: Vec::new(),
                 setting: setting.to_string(),
-                fps,
-                mem_bytes,
-                pci_bytes,
+                fps: [none.fps, a.fps, b.fps],
+                mem_bytes: [none.mem_bytes, a.mem_bytes, b.mem_bytes],
+                pci_bytes: [a.pci_bytes, b.pci_bytes],
             };
             measured.extend(settings.into_iter().zip(played).map(line));
         }
@@ -325,31 +385,103 @@ impl SectionWork<'_> {
     }
 }
 
-/// What was measured with a setting.
-struct Played {
-    fps: [f64; 3],
-    mem_bytes: [u64; 3],
-    pci_bytes: [u64; 2],
+/// A frame on a chip.
+#[derive(Clone, Copy)]
+struct Run {
+    fps: f64,
+    mem_bytes: u64,
+    pci_bytes: u64,
 }
 
-/// A frame on the chips of a setting: without virtual memory, version A, version B.
-fn play(setting: &Setting, of: &str, before: &[Programs], programs: &Programs) -> Result<Played, StudyError> {
-    let versions = [Version::None, Version::A, Version::B].into_par_iter();
-    let runs = versions.map(|version| {
-        let config = setting.chip(of, version)?;
-        let caches = Caches::after(before, programs.triangles, &config)?;
-        let caches = if setting.is_cold() { caches.with_cold_first_level() } else { caches };
-        let report = simulate_part(caches, programs, &vec![true; programs.packets.len()], &mut ());
-        Ok((config.fps(report.cycles), report.memory_bytes(), report.pci_bytes))
-    });
-    let runs: Vec<(f64, u64, u64)> = runs.collect::<Result<_, StudyError>>()?;
-    let [none, a, b] = [runs[0], runs[1], runs[2]];
-    Ok(Played { fps: [none.0, a.0, b.0], mem_bytes: [none.1, a.1, b.1], pci_bytes: [a.2, b.2] })
+/// A chip, and whether its first-level caches hold nothing when the frame begins.
+type Begun = (ChipConfig, bool);
+
+/// A frame on the chips of some settings: without virtual memory, version A, version B. Chips that are the same for what a
+/// version has are simulated once.
+fn play(
+    settings: &[&Setting],
+    of: &str,
+    world: &World,
+    frame: usize,
+    tracing: &Tracing,
+) -> Result<Vec<[Run; 3]>, StudyError> {
+    let begun = |setting: &Setting, version| -> Result<Begun, StudyError> {
+        Ok((with_what_it_has(setting.chip(of, version)?, of)?, setting.is_cold()))
+    };
+    let mut chips: Vec<Begun> = Vec::new();
+    let mut places: Vec<[usize; 3]> = Vec::new();
+    for setting in settings {
+        let mut place = |version| -> Result<usize, StudyError> {
+            let chip = begun(setting, version)?;
+            Ok(chips.iter().position(|other| *other == chip).unwrap_or_else(|| {
+                chips.push(chip);
+                chips.len() - 1
+            }))
+        };
+        places.push([place(Version::None)?, place(Version::A)?, place(Version::B)?]);
+    }
+    let Tracing { trace, order, warm_up } = tracing;
+    let triangles = world.image.registers.triangles;
+    let empty = chips.iter().map(|(config, _)| Caches::empty(triangles, config));
+    let mut caches: Vec<Caches> = empty.collect::<Result<_, _>>()?;
+    for picture in record_before(world, frame, warm_up.before(frame), trace, *order, &|_| ()) {
+        caches = caches.into_par_iter().map(|caches| caches.then(&picture)).collect();
+    }
+    let programs = record(world, frame, trace, *order).programs;
+    let run = |(caches, (config, is_cold)): (Caches, &Begun)| {
+        let caches = if *is_cold { caches.with_cold_first_level() } else { caches };
+        let report = simulate_from(caches, &programs, &mut ());
+        Run { fps: config.fps(report.cycles), mem_bytes: report.memory_bytes(), pci_bytes: report.pci_bytes }
+    };
+    let runs: Vec<Run> = caches.into_par_iter().zip(&chips).map(run).collect();
+    Ok(places.into_iter().map(|versions| versions.map(|place| runs[place])).collect())
+}
+
+/// The chip, with the standard numbers of what its version does not have.
+fn with_what_it_has(chip: ChipConfig, of: &str) -> Result<ChipConfig, StudyError> {
+    let standard = standard::chip(of, chip.version)?;
+    Ok(match chip.version {
+        Version::None => ChipConfig {
+            cache: standard.cache,
+            metadata_cache: standard.metadata_cache,
+            pci: standard.pci,
+            ..chip
+        },
+        Version::A => ChipConfig { metadata_cache: standard.metadata_cache, ..chip },
+        Version::B => chip,
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use saarcor_model::time::Programs;
+
+    /// What chips of a version do not have changes nothing: simulating such chips once is exact.
+    #[test]
+    fn versions_know_only_what_they_have() {
+        use saarcor_model::time::Operation;
+        use saarcor_model::vm::{HostAddr, Unit};
+        let read = |packet: u32, place: u32| Operation {
+            unit: Unit::ALL[(place % 4) as usize],
+            rays: 64,
+            addr: HostAddr(packet * 4096 + place * 131_072),
+            bytes: 36,
+        };
+        let packet = |number: u32| (0..64).map(|place| read(number, place)).collect();
+        let programs = Programs { packets: (0..80).map(packet).collect(), triangles: HostAddr(0) };
+        let cycles = |config: &ChipConfig| {
+            let caches = Caches::empty(HostAddr(0), config).expect("a chip").then(&programs);
+            simulate_from(caches, &programs, &mut ()).cycles
+        };
+        for version in [Version::None, Version::A] {
+            for setting in Setting::one_at_a_time() {
+                let chip = setting.chip("pQuake3", version).expect("a chip");
+                let reduced = with_what_it_has(chip, "pQuake3").expect("a chip");
+                assert_eq!(cycles(&reduced), cycles(&chip), "{setting}, {version:?}");
+            }
+        }
+    }
 
     #[test]
     fn settings_are_read_as_they_are_written() {

@@ -9,6 +9,7 @@ mod numbers;
 pub use measure::{Measured, Options, Setting, measure};
 pub use numbers::{AssumedNumber, NUMBERS, Value};
 
+use crate::error::ReproductionError;
 use crate::fit::{A_OF_NO_VM, B_OF_NO_VM, Compared, MEM_B_OF_A, bootstrap, percent};
 use crate::table2::Shape;
 use crate::tables::{LEAST_MEM_MB, LEAST_PCI_MB, Table2Row, in_mb, table2};
@@ -63,6 +64,24 @@ pub struct Bar {
     pub setting: String,
     /// For built_in scenes, real ones, and all.
     pub effects: BTreeMap<&'static str, Effect>,
+    /// How far rows are off with it, family by family.
+    pub families: BTreeMap<String, Errors>,
+}
+
+/// What a sample of the rows is worth, by the settings that all rows were measured with.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SampleFacts {
+    /// The part of the rows.
+    pub part: String,
+    /// Rows of the sample, and all.
+    pub rows: (usize, usize),
+    /// Settings that all rows were measured with.
+    pub settings: usize,
+    /// How far the change of the error over the sample is from that over all rows, in points of percent: the root of the
+    /// mean square over these settings. None without any.
+    pub error: Option<f64>,
+    /// Of these settings, those whose change over all rows lies in the sample's interval.
+    pub within: usize,
 }
 
 /// An Assumed number in the result.
@@ -85,10 +104,12 @@ pub struct Sensitivity {
     pub resolution: (u32, u32),
     /// Settings that were tried, with that of the defaults.
     pub settings: usize,
+    /// What the sample is worth; none of all rows.
+    pub sample: Option<SampleFacts>,
     /// The numbers that were varied.
     pub numbers: Vec<NumberFacts>,
-    /// How far rows are off with the defaults.
-    pub defaults: BTreeMap<&'static str, Effect>,
+    /// The defaults, which change nothing.
+    pub defaults: Bar,
     /// One number at a time, in the order of the numbers.
     pub bars: Vec<Bar>,
     /// The numbers whose values change the error over all rows the most, the strongest first.
@@ -99,24 +120,21 @@ pub struct Sensitivity {
 
 impl Sensitivity {
     /// What these settings do, from what was measured of the rows of `options`.
-    #[must_use]
-    pub fn of(options: &Options, settings: &[Setting], measured: &[Measured]) -> Self {
-        // Whatever was kept: the real scenes count where they are asked for, and rows come in one order.
-        let is_asked_for =
-            |one: &&Measured| one.is_of(options.extent) && (!one.real || options.scenes.is_some());
-        let mut asked_for: Vec<&Measured> = measured.iter().filter(is_asked_for).collect();
-        asked_for.sort_by_key(|one| one.place());
-        let rows = |setting: &str| -> Vec<&Measured> {
-            asked_for.iter().copied().filter(|one| one.setting == setting).collect()
-        };
-        let defaults = rows("");
-        let bar = |setting: &Setting| {
-            let setting = setting.to_string();
-            Bar { effects: effects(&defaults, &rows(&setting)), setting }
-        };
+    ///
+    /// # Errors
+    /// If the real scenes are not in their folder.
+    pub fn of(
+        options: &Options,
+        settings: &[Setting],
+        measured: &[Measured],
+    ) -> Result<Self, ReproductionError> {
+        let drawn = options.drawn()?;
+        let of_all =
+            Rows::of(measured, |one| one.is_of(options.extent) && (!one.real || options.scenes.is_some()));
+        let rows = Rows(of_all.0.iter().copied().filter(|one| drawn.contains(&one.place())).collect());
         let (alone, together): (Vec<&Setting>, Vec<&Setting>) =
             settings.iter().partition(|setting| setting.numbers().len() == 1);
-        let bars: Vec<Bar> = alone.into_iter().map(bar).collect();
+        let bars: Vec<Bar> = alone.into_iter().map(|setting| rows.bar(&setting.to_string())).collect();
         let strongest = strongest(&bars);
         let facts = |number: &AssumedNumber| NumberFacts {
             name: number.name,
@@ -124,41 +142,112 @@ impl Sensitivity {
             default: number.default,
             text: number.text,
         };
-        Self {
+        let sample = options.sample.to_string();
+        Ok(Self {
             resolution: options.extent.trace().resolution,
             settings: settings.len() + 1,
+            sample: (drawn.len() < options.rows()?)
+                .then(|| of_all.worth(sample, &rows, settings, options))
+                .transpose()?,
             numbers: NUMBERS.iter().map(facts).collect(),
-            defaults: effects(&defaults, &defaults),
-            combinations: together.into_iter().map(bar).collect(),
+            defaults: rows.bar(""),
+            combinations: together.into_iter().map(|setting| rows.bar(&setting.to_string())).collect(),
             bars,
             strongest,
-        }
+        })
     }
 
-    /// All values of the strongest numbers, two numbers at a time.
+    /// The strongest numbers two at a time, each with the value that changes the error the most.
     #[must_use]
     pub fn pairs(&self) -> Vec<Setting> {
         let strongest = &self.strongest[..self.strongest.len().min(IN_PAIRS)];
-        let of = |name: &str| -> Vec<Setting> {
-            Setting::one_at_a_time().into_iter().filter(|one| one.numbers() == [name]).collect()
+        let of = |name: &str| -> Option<Setting> {
+            let bar = self
+                .bars
+                .iter()
+                .filter(|bar| bar.is_of(name))
+                .max_by(|a, b| a.change().total_cmp(&b.change()))?;
+            bar.setting.parse().ok()
         };
-        let mut pairs = Vec::new();
-        for (place, first) in strongest.iter().enumerate() {
-            for second in &strongest[place + 1..] {
-                for one in of(first) {
-                    pairs.extend(of(second).iter().map(|other| one.and(other)));
-                }
-            }
+        let values: Vec<Setting> = strongest.iter().filter_map(|name| of(name)).collect();
+        let behind = |place: usize| values[place + 1..].iter().map(move |other| (place, other));
+        (0..values.len()).flat_map(behind).map(|(place, other)| values[place].and(other)).collect()
+    }
+}
+
+impl Bar {
+    fn is_of(&self, number: &str) -> bool {
+        self.setting.split_once('=').is_some_and(|(name, _)| name == number)
+    }
+
+    /// How much it changes the error over all rows, up or down.
+    fn change(&self) -> f64 {
+        self.effects.get("all").map_or(0.0, |effect| effect.change.abs())
+    }
+}
+
+/// What was measured of some rows, in one order whatever the order in which it was kept.
+struct Rows<'a>(Vec<&'a Measured>);
+
+impl<'a> Rows<'a> {
+    fn of(measured: &'a [Measured], is_asked_for: impl Fn(&Measured) -> bool) -> Self {
+        let mut rows: Vec<&Measured> = measured.iter().filter(|one| is_asked_for(one)).collect();
+        rows.sort_by_key(|one| one.place());
+        Self(rows)
+    }
+
+    fn with(&self, setting: &str) -> Vec<&'a Measured> {
+        self.0.iter().copied().filter(|one| one.setting == setting).collect()
+    }
+
+    fn bar(&self, setting: &str) -> Bar {
+        let (defaults, rows) = (self.with(""), self.with(setting));
+        let pairs = paired(&defaults, &rows);
+        let mut by_family: BTreeMap<String, Vec<Pair<'_>>> = BTreeMap::new();
+        for pair in pairs {
+            let (real, family) = pair.row.compared.family();
+            let name = if real { format!("{family} (real scene)") } else { family.to_owned() };
+            by_family.entry(name).or_default().push(pair);
         }
-        pairs
+        Bar {
+            setting: setting.to_owned(),
+            effects: effects(&defaults, &rows),
+            families: by_family.into_iter().map(|(name, pairs)| (name, errors(&pairs))).collect(),
+        }
+    }
+
+    /// What a sample of these rows is worth, by the settings that all rows were measured with.
+    fn worth(
+        &self,
+        part: String,
+        sample: &Rows<'_>,
+        settings: &[Setting],
+        options: &Options,
+    ) -> Result<SampleFacts, ReproductionError> {
+        let all = options.rows()?;
+        let names = settings.iter().map(ToString::to_string);
+        let both = names.filter(|setting| self.with(setting).len() == all).filter_map(|setting| {
+            let (sample, all) = (sample.bar(&setting), self.bar(&setting));
+            Some((*sample.effects.get("all")?, all.effects.get("all")?.change))
+        });
+        let both: Vec<(Effect, f64)> = both.collect();
+        let squares = both.iter().map(|(sample, all)| (sample.change - all).powi(2));
+        let mean = squares.sum::<f64>() / both.len() as f64;
+        let within = |(sample, all): &&(Effect, f64)| (sample.interval[0]..=sample.interval[1]).contains(all);
+        Ok(SampleFacts {
+            part,
+            rows: (sample.with("").len(), all),
+            settings: both.len(),
+            error: (!both.is_empty()).then(|| mean.sqrt()),
+            within: both.iter().filter(within).count(),
+        })
     }
 }
 
 /// The numbers by the most that a value of theirs changes the error over all rows.
 fn strongest(bars: &[Bar]) -> Vec<&'static str> {
     let most = |number: &AssumedNumber| {
-        let of = bars.iter().filter(|bar| bar.setting.starts_with(&format!("{}=", number.name)));
-        of.map(|bar| bar.effects["all"].change.abs()).fold(0.0, f64::max)
+        bars.iter().filter(|bar| bar.is_of(number.name)).map(Bar::change).fold(0.0, f64::max)
     };
     let mut numbers: Vec<&AssumedNumber> = NUMBERS.iter().collect();
     numbers.sort_by(|a, b| most(b).total_cmp(&most(a)));
@@ -205,19 +294,24 @@ fn printed(measured: &Measured) -> &'static Table2Row {
     table2().iter().find(is).expect("what is measured stands for a row of the paper")
 }
 
-/// What a setting does to built-in scenes, real ones, and all.
-fn effects<'a>(defaults: &[&'a Measured], rows: &[&'a Measured]) -> BTreeMap<&'static str, Effect> {
+/// The rows that were measured with a setting and with the defaults.
+fn paired<'a>(defaults: &[&'a Measured], rows: &[&'a Measured]) -> Vec<Pair<'a>> {
     let by_row: BTreeMap<_, &'a Measured> = rows.iter().map(|row| (row.place(), *row)).collect();
-    let pairs = |which: &dyn Fn(&Measured) -> bool| -> Vec<Pair<'a>> {
-        let chosen = defaults.iter().copied().filter(|default| which(default));
-        let pair = |default: &'a Measured| {
-            let row = by_row.get(&default.place())?;
-            Some(Pair { row: Row::new(row), default: Row::new(default) })
-        };
-        chosen.filter_map(pair).collect()
+    let pair = |default: &&'a Measured| {
+        let row = by_row.get(&default.place())?;
+        Some(Pair { row: Row::new(row), default: Row::new(default) })
     };
-    let sets: [(&'static str, Vec<Pair<'a>>); 3] =
-        [("built_in", pairs(&|one| !one.real)), ("real", pairs(&|one| one.real)), ("all", pairs(&|_| true))];
+    defaults.iter().filter_map(pair).collect()
+}
+
+/// What a setting does to built-in scenes, real ones, and all.
+fn effects(defaults: &[&Measured], rows: &[&Measured]) -> BTreeMap<&'static str, Effect> {
+    let pairs = |which: fn(&Measured) -> bool| {
+        let chosen: Vec<&Measured> = defaults.iter().copied().filter(|default| which(default)).collect();
+        paired(&chosen, rows)
+    };
+    let sets =
+        [("built_in", pairs(|one| !one.real)), ("real", pairs(|one| one.real)), ("all", pairs(|_| true))];
     sets.into_iter()
         .filter(|(_, pairs)| !pairs.is_empty())
         .map(|(name, pairs)| (name, effect(&pairs)))
@@ -261,5 +355,84 @@ fn errors(pairs: &[Pair<'_>]) -> Errors {
         fps_ratio: ratio(0),
         mem_ratio: ratio(1),
         pci_ratio: ratio(2),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reproduction::Extent;
+    use crate::tables::MB;
+
+    fn options(sample: &str) -> Options {
+        Options { extent: Extent::Some, scenes: None, sample: sample.parse().expect("a part") }
+    }
+
+    /// The paper's rows as printed, but for A / no VM, which is off by `percent`.
+    fn measured(setting: &str, percent: impl Fn(usize) -> f64) -> Vec<Measured> {
+        let row = |(place, row): (usize, &'static Table2Row)| {
+            let Table2Row { no_vm, version_a: a, version_b: b, .. } = row;
+            let mb = |mb: f64| (mb * MB as f64) as u64;
+            Measured {
+                hot_spots: vec![1, 2, 3, 4],
+                fps: [no_vm.fps, a.fps * (1.0 + percent(place) / 100.0), b.fps],
+                mem_bytes: [no_vm.mem_mb, a.mem_mb, b.mem_mb].map(mb),
+                pci_bytes: [a.pci_mb, b.pci_mb].map(mb),
+                ..Measured::blank(Extent::Some, &row.scene, &row.frame, setting)
+            }
+        };
+        table2().iter().enumerate().map(row).collect()
+    }
+
+    fn settings() -> Vec<Setting> {
+        ["granule=16 B", "granule=64 B", "banks=8"].map(|text| text.parse().expect("a setting")).to_vec()
+    }
+
+    fn all() -> Vec<Measured> {
+        let of = [("", 0.0), ("granule=16 B", 3.0), ("granule=64 B", 6.0), ("banks=8", 5.0)];
+        of.into_iter().flat_map(|(setting, percent)| measured(setting, move |_| percent)).collect()
+    }
+
+    #[test]
+    fn result_does_not_hang_on_the_order_of_what_was_measured() {
+        let text = |measured: &[Measured]| {
+            format!("{:?}", Sensitivity::of(&options("1"), &settings(), measured).expect("rows"))
+        };
+        let mut backwards = all();
+        backwards.reverse();
+        assert_eq!(text(&all()), text(&backwards));
+    }
+
+    #[test]
+    fn strongest_numbers_are_paired_with_their_strongest_values() {
+        let result = Sensitivity::of(&options("1"), &settings(), &all()).expect("rows");
+        assert_eq!(result.strongest[..2], ["granule", "banks"]);
+        let pairs: Vec<_> = result.pairs().iter().map(ToString::to_string).collect();
+        assert_eq!(pairs[0], "granule=64 B,banks=8");
+        assert_eq!(result.sample, None);
+        let effect = &result.bars[1].effects["all"];
+        assert!((effect.errors.a - 6.0).abs() < 1e-9 && effect.change > 1.0 && effect.rows == 25);
+        assert_eq!(result.bars[1].families.len(), 4);
+    }
+
+    #[test]
+    fn sample_is_judged_by_the_settings_that_have_all_rows() {
+        let varied = |setting| measured(setting, |place| (place % 4) as f64);
+        let rows: Vec<Measured> = measured("", |_| 0.0).into_iter().chain(varied("banks=8")).collect();
+        let result = Sensitivity::of(&options("1/4"), &settings(), &rows).expect("rows");
+        let sample = result.sample.expect("a sample");
+        assert_eq!((sample.rows, sample.settings), ((6, 25), 1), "granules were not measured");
+        assert!(sample.error.is_some_and(|error| error > 0.01), "{sample:?}");
+        // Without any such setting nothing is said of it.
+        let result = Sensitivity::of(&options("1/4"), &settings(), &rows[..25]).expect("rows");
+        assert_eq!(result.sample.map(|sample| (sample.settings, sample.error)), Some((0, None)));
+    }
+
+    #[test]
+    fn quarter_of_the_rows_has_each_family() {
+        let drawn = options("1/4").drawn().expect("rows");
+        let families: std::collections::BTreeSet<_> =
+            drawn.iter().map(|(_, scene, _)| saarcor_studies::standard::family(scene)).collect();
+        assert_eq!((drawn.len(), families.len()), (6, 4));
     }
 }

@@ -43,6 +43,13 @@ impl SampleFraction {
         Self { numerator: 1, denominator }
     }
 
+    /// Whether the member at a place of a list is drawn: members at equal distances are, from the middle of the first.
+    #[must_use]
+    pub fn draws(self, place: usize) -> bool {
+        let drawn = |before: usize| self.of(u32::try_from(before).unwrap_or(u32::MAX));
+        drawn(place) < drawn(place + 1)
+    }
+
     /// So many of `all`, rounded.
     fn of(self, all: u32) -> u32 {
         let (numerator, denominator) = (u64::from(self.numerator), u64::from(self.denominator));
@@ -205,6 +212,17 @@ mod tests {
             assert_eq!(text.parse::<SampleFraction>().expect("a part").to_string(), text);
         }
         assert_eq!("1/8".parse(), Ok(SampleFraction::one_of(8)));
+    }
+
+    #[test]
+    fn lists_are_drawn_from_evenly() {
+        let drawn = |text: &str| -> Vec<usize> {
+            let part: SampleFraction = text.parse().expect("a part");
+            (0..12).filter(|&place| part.draws(place)).collect()
+        };
+        assert_eq!(drawn("1/4"), [1, 5, 9]);
+        assert_eq!(drawn("2/3").len(), 8);
+        assert_eq!(drawn("1").len(), 12);
     }
 
     #[test]

@@ -7,10 +7,10 @@ use super::row::{Quantity, SampleRow};
 use super::trace::{Standing, Traced, rough_options};
 use crate::error::StudyError;
 use crate::names::version_name;
-use crate::simulate::{TimingRow, record, record_before};
+use crate::simulate::{TimingRow, WarmUp, record, record_before};
 use crate::trace::{PacketOrder, TraceOptions};
 use crate::world::World;
-use saarcor_fast::chip::{Cache, Caches, ChipObserver, Found, Traffic, simulate, simulate_part};
+use saarcor_fast::chip::{Cache, Caches, ChipObserver, Found, Traffic, simulate_from, simulate_part};
 use saarcor_model::time::{CacheReport, ChipConfig, Operation, Span, UNIT_NAMES, Version};
 
 /// A frame, what is done before it, and how it is sampled.
@@ -18,8 +18,8 @@ use saarcor_model::time::{CacheReport, ChipConfig, Operation, Span, UNIT_NAMES, 
 pub struct SampledFrame {
     /// Number of the frame in the path.
     pub frame: usize,
-    /// Frames before it that warm the caches, as far as the path has them.
-    pub warm_up: usize,
+    /// Frames before it that warm the caches.
+    pub warm_up: WarmUp,
     /// How they are traced.
     pub trace: TraceOptions,
     /// In which order packets are handed out.
@@ -47,15 +47,17 @@ pub fn simulate_sample(
         ("variant", version_name(config.version).into()),
     ];
     if plan.is_all() {
-        let before = record_before(world, frame, warm_up, &trace, order, report);
+        let empty = Caches::empty(world.image.registers.triangles, config)?;
+        let before = record_before(world, frame, warm_up.before(frame), &trace, order, report);
+        let caches = before.fold(empty, |caches, picture| caches.then(&picture));
         let recording = record(world, frame, &trace, order);
-        let run = simulate(&before, &recording.programs, config)?;
+        let run = simulate_from(caches, &recording.programs, &mut ());
         let row = TimingRow::new(&world.name, frame, recording.picture.rays.total(), config, &run);
         return Ok(SampleRow::new(of, part, &plan, counted(&row)));
     }
     let rough = rough_options(&trace)?;
     // Without virtual memory a picture finds next to nothing of the one before in its caches.
-    let warm_up = if config.version == Version::None { 0 } else { warm_up.min(frame) };
+    let warm_up = if config.version == Version::None { 0 } else { warm_up.before(frame) };
     let few = |frame| Traced::rough(world, frame, &rough, &plan);
     let in_full = |rough: &Traced, frame| rough.with(Traced::sample(world, frame, &trace, &plan), &plan);
     let before: Vec<Traced> = (frame - warm_up..frame).map(few).collect();
