@@ -51,6 +51,7 @@ fn metadata(evidence: Evidence<'_>) -> Claim {
             with_setting: (e.lines * 4) as f64 / 1024.0,
         }),
         numbers: Vec::new(),
+        admitted: Vec::new(),
         open: "",
     }
 }
@@ -110,6 +111,7 @@ fn best_line(spots: &[HotSpot]) -> Claim {
             with_setting: longest(&b) as f64,
         }),
         numbers: vec![list("version A", &a), list("version B", &b), list("both alike", &both)],
+        admitted: Vec::new(),
         open: "The paper does not say by which cost 128 B are best. This shows that they can be, not that this was meant.",
     }
 }
@@ -137,6 +139,7 @@ fn longer_lines(spots: &[HotSpot]) -> Claim {
             .iter()
             .map(|(name, slower)| format!("{name}: {slower:.3} times the cycles"))
             .collect(),
+        admitted: Vec::new(),
         open: "",
     }
 }
@@ -173,6 +176,7 @@ fn ways_and_hash(spots: &[HotSpot]) -> Claim {
         verdict: Holds::of(frames().map(least)),
         cause,
         numbers: numbers.collect(),
+        admitted: Vec::new(),
         open: "How often the upper bits are added, and how many sets there are, the paper does not say.",
     }
 }
@@ -198,6 +202,7 @@ fn threads_hide(spots: &[HotSpot]) -> Claim {
         .into_iter()
         .map(|range| format!("A / no VM with one thread: {range}"))
         .collect(),
+        admitted: Vec::new(),
         open: "",
     }
 }
@@ -213,6 +218,7 @@ fn few_threads(spots: &[HotSpot]) -> Claim {
         verdict: Holds::of(spots.iter().filter_map(part).map(|part| part > 0.95)),
         cause: cause(EIGHT_THREADS, "frames a second of version A", spots, |spot| fps(spot, EIGHT_THREADS)),
         numbers: Vec::new(),
+        admitted: Vec::new(),
         open: "How many are a small number.",
     }
 }
@@ -237,6 +243,7 @@ fn metadata_cache(spots: &[HotSpot]) -> Claim {
         .into_iter()
         .map(|range| format!("speed with it: {range}"))
         .collect(),
+        admitted: Vec::new(),
         open: "",
     }
 }
@@ -256,6 +263,7 @@ fn two_levels(spots: &[HotSpot]) -> Claim {
         verdict: Holds::of(spots.iter().filter_map(more).map(|more| more > 2.0)),
         cause: cause(NO_FIRST_LEVEL, "MB to and from the on-board memory a frame", spots, bytes),
         numbers: Vec::new(),
+        admitted: Vec::new(),
         open: "",
     }
 }

@@ -4,6 +4,7 @@ mod chip;
 mod memory;
 mod walks;
 
+use crate::alternatives::ADMITTED;
 use crate::figure3::Graph;
 use crate::table1::SceneRow;
 use crate::table2::HotSpot;
@@ -69,8 +70,22 @@ pub struct Claim {
     pub cause: Option<Cause>,
     /// The numbers that decide it, place by place.
     pub numbers: Vec<String>,
+    /// The same with other values of Assumed numbers that the text admits; none of claims that need other runs than those
+    /// of Table 2.
+    pub admitted: Vec<Admitted>,
     /// What the paper leaves open; empty if nothing.
     pub open: &'static str,
+}
+
+/// A claim with another value of one Assumed number.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Admitted {
+    /// The value.
+    pub setting: &'static str,
+    /// Whether the claim holds.
+    pub verdict: Holds,
+    /// The figure of the claim's cause.
+    pub figure: Option<f64>,
 }
 
 /// A counterfactual: one thing is changed, and the same figure is taken again.
@@ -109,11 +124,40 @@ pub struct Evidence<'a> {
     pub cuts: &'a [HotSpot],
 }
 
-/// Judges all claims, in the order of the paper. Claims about scenes that are not there are left out.
+/// Judges all claims: those of §3, of the walks, and of the chip. Claims about scenes that are not there are left out.
 #[must_use]
 pub fn judge(evidence: Evidence<'_>) -> Vec<Claim> {
     let of_memory = memory::claims(evidence);
-    of_memory.into_iter().chain(walks::claims(evidence)).chain(chip::claims(evidence)).collect()
+    let mut claims: Vec<Claim> =
+        of_memory.into_iter().chain(walks::claims(evidence)).chain(chip::claims(evidence)).collect();
+    for setting in ADMITTED {
+        let spots: Vec<HotSpot> = evidence.spots.iter().map(|spot| spot.standing_on(setting)).collect();
+        for Claim { id, verdict, cause, .. } in chip::of_rows(&spots) {
+            if let Some(claim) = claims.iter_mut().find(|claim| claim.id == id) {
+                claim.admitted.push(Admitted { setting, verdict, figure: cause.map(|cause| cause.standard) });
+            }
+        }
+    }
+    for claim in &mut claims {
+        let said = claim.over_admitted();
+        claim.numbers.extend(said);
+    }
+    claims
+}
+
+impl Claim {
+    /// The range of its figure over all admitted values, and the values with which the verdict is another.
+    fn over_admitted(&self) -> Option<String> {
+        let Cause { figure, standard, .. } = self.cause.as_ref()?;
+        let figures = self.admitted.iter().filter_map(|other| other.figure);
+        let Range { least, most } = Range::of(figures.chain([*standard]));
+        let others = self.admitted.iter().filter(|other| other.verdict != self.verdict);
+        let others: Vec<_> = others.map(|other| format!("{}: {}", other.setting, other.verdict)).collect();
+        let verdict = if others.is_empty() { "the same verdict".to_owned() } else { others.join(", ") };
+        (!self.admitted.is_empty()).then(|| {
+            format!("over {} admitted settings: {figure} {least:.3} to {most:.3}; {verdict}", ADMITTED.len())
+        })
+    }
 }
 
 /// A range of values.
@@ -145,7 +189,8 @@ impl Range {
 
 impl fmt::Display for Range {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:.2} to {:.2}", self.least, self.most)
+        let (least, most) = (format!("{:.2}", self.least), format!("{:.2}", self.most));
+        if least == most { f.write_str(&least) } else { write!(f, "{least} to {most}") }
     }
 }
 
