@@ -4,7 +4,7 @@
 //! its error leaves no doubt, it may take that test's word (IS-3).
 
 use super::integer::Integer;
-use super::number::Triple;
+use super::number::{Triple, cross, dot, sub};
 use crate::rays::ray::Ray;
 use glam::Vec3;
 use std::cmp::Ordering;
@@ -33,10 +33,7 @@ impl ExactHit {
             return None;
         }
         let [origin, direction] = [ray.origin, ray.direction].map(whole);
-        let [a, b, c] = corners.map(|corner| {
-            let corner = whole(corner);
-            std::array::from_fn(|axis| corner[axis] - origin[axis])
-        });
+        let [a, b, c] = corners.map(|corner| sub(whole(corner), origin));
         let mut weights =
             [dot(direction, cross(b, c)), dot(direction, cross(c, a)), dot(direction, cross(a, b))];
         let mut height = dot(a, cross(b, c));
@@ -85,16 +82,6 @@ impl ExactHit {
 /// A finite vector in units of 2⁻¹⁴⁹.
 fn whole(vector: Vec3) -> Triple<Integer> {
     vector.to_array().map(Integer::from_f32)
-}
-
-/// `a × b`.
-fn cross(a: Triple<Integer>, b: Triple<Integer>) -> Triple<Integer> {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// `a · b`.
-fn dot(a: Triple<Integer>, b: Triple<Integer>) -> Integer {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[cfg(test)]

@@ -68,22 +68,27 @@ impl Number for f32 {
 /// Three coordinates or components.
 pub type Triple<R> = [R; 3];
 
+// What follows serves the whole numbers of the adaptive test, too, which are no `Number`.
+
 /// `a - b`.
-pub(super) fn sub<R: Number>(a: Triple<R>, b: Triple<R>) -> Triple<R> {
+pub(super) fn sub<R: Copy + Sub<Output = R>>(a: Triple<R>, b: Triple<R>) -> Triple<R> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// `a + b`.
-pub(super) fn add<R: Number>(a: Triple<R>, b: Triple<R>) -> Triple<R> {
+pub(super) fn add<R: Copy + Add<Output = R>>(a: Triple<R>, b: Triple<R>) -> Triple<R> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// `a × b`.
-pub(super) fn cross<R: Number>(a: Triple<R>, b: Triple<R>) -> Triple<R> {
+pub(super) fn cross<R>(a: Triple<R>, b: Triple<R>) -> Triple<R>
+where
+    R: Copy + Sub<Output = R> + Mul<Output = R>,
+{
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// `a · b`.
-pub(super) fn dot<R: Number>(a: Triple<R>, b: Triple<R>) -> R {
+pub(super) fn dot<R: Copy + Add<Output = R> + Mul<Output = R>>(a: Triple<R>, b: Triple<R>) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
