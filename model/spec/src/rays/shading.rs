@@ -72,16 +72,7 @@ pub fn surfaces<const N: usize>(
         for lane in first..N {
             if pending[lane] && hits.triangle[lane] == triangle {
                 pending[lane] = false;
-                let (origin, direction) = (packet.origin(lane), packet.direction(lane));
-                let seen = Seen {
-                    point: origin + direction * hits.t[lane],
-                    origin,
-                    direction,
-                    weights: [hits.u[lane], hits.v[lane]],
-                    distance: cones.begin[lane] + hits.t[lane],
-                    spread: cones.spread,
-                };
-                surfaces[lane] = Some(surface(memory, &record, &material, &seen));
+                surfaces[lane] = Some(surface(memory, &record, &material, packet, hits, cones, lane));
             }
         }
     }
@@ -105,29 +96,22 @@ fn read_records(
     (record, MaterialRecord::decode(material, features))
 }
 
-/// Where a ray meets a surface.
-struct Seen {
-    point: Vec3,
-    origin: Vec3,
-    direction: Vec3,
-    /// Barycentric weights of the second and the third corner.
-    weights: [f32; 2],
-    /// Distance from the eye, and the width of the ray's cone at distance 1.
-    distance: f32,
-    spread: f32,
-}
-
-/// The surface that a ray meets.
-fn surface(
+/// The surface that the ray in `lane` meets.
+fn surface<const N: usize>(
     memory: &mut Observed<impl Memory, impl Observer>,
     record: &ShadingRecord,
     material: &MaterialRecord,
-    seen: &Seen,
+    packet: &Packet<N>,
+    hits: &Hits<N>,
+    cones: &Cones<N>,
+    lane: usize,
 ) -> Surface {
-    let &Seen { point, origin, direction, weights: [u, v], distance, spread } = seen;
+    let (origin, direction) = (packet.origin(lane), packet.direction(lane));
+    let (t, u, v) = (hits.t[lane], hits.u[lane], hits.v[lane]);
+    let (point, distance) = (origin + direction * t, cones.begin[lane] + t);
     let uv = interpolate(record.tex_coords, u, v);
     // The cone's width at the surface, along the way in which it is seen from the side.
-    let width = spread * distance / record.normal.dot(direction);
+    let width = cones.spread * distance / record.normal.dot(direction);
     let area = width * width * record.texture_density;
     let mut normal = interpolate(record.normals, u, v).normalize_or(record.normal);
     if let Some((map, height)) = material.bump {
