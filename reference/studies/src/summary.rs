@@ -1,7 +1,8 @@
 //! The features that a scene needs of the chip, and the bytes of its image.
 
 use crate::world::World;
-use saarcor_model::host::{Features, Region};
+use saarcor_model::host::Features;
+use saarcor_model::vm::Bytes;
 use serde::Serialize;
 
 /// A name for each feature and whether a scene needs it.
@@ -19,17 +20,8 @@ pub fn needs(features: Features) -> [(&'static str, bool); 8] {
     ]
 }
 
-/// Name of a region of the image.
-#[must_use]
-pub fn region_name(region: Region) -> &'static str {
-    match region {
-        Region::Nodes => "nodes",
-        Region::Lists => "lists",
-        Region::Triangles => "triangles",
-        Region::Shading => "shading",
-        Region::Textures => "textures",
-    }
-}
+/// Names of the regions of the image, in the order of their addresses.
+pub const REGION_NAMES: [&str; 5] = ["nodes", "lists", "triangles", "shading", "textures"];
 
 /// Facts about a scene in host memory.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -46,7 +38,7 @@ pub struct Summary {
     pub frames: usize,
     /// Names of the features that it needs.
     pub needs: Vec<&'static str>,
-    /// Bytes of the regions of [`Region::ALL`].
+    /// Bytes of the regions, in the order of [`REGION_NAMES`].
     pub regions: Vec<RegionBytes>,
     /// Of the textures, bytes of the coarser levels of mip maps.
     pub mip_map_bytes: u64,
@@ -81,10 +73,10 @@ impl Summary {
     /// The summary of a scene.
     #[must_use]
     pub fn of(world: &World) -> Self {
-        let region = |(region, bytes): (Region, saarcor_model::vm::Bytes)| RegionBytes {
-            region: region_name(region),
-            bytes: bytes.0,
-            bytes_a_triangle: bytes.0 as f64 / world.triangles.max(1) as f64,
+        let region = |(region, Bytes(bytes))| RegionBytes {
+            region,
+            bytes,
+            bytes_a_triangle: bytes as f64 / world.triangles.max(1) as f64,
         };
         let needed = needs(world.features).into_iter().filter(|need| need.1);
         Self {
@@ -94,7 +86,7 @@ impl Summary {
             lights: world.features.lights,
             frames: world.path.len(),
             needs: needed.map(|need| need.0).collect(),
-            regions: Region::ALL.into_iter().zip(world.image.region_bytes).map(region).collect(),
+            regions: REGION_NAMES.into_iter().zip(world.image.region_bytes).map(region).collect(),
             mip_map_bytes: world.image.mip_map_bytes.0,
             image_bytes: world.image.bytes.len() as u64,
             nodes: world.tree.nodes,
@@ -108,7 +100,7 @@ impl Summary {
     /// Bytes of all regions but the textures: what the paper calls geometry.
     #[must_use]
     pub fn geometry_bytes(&self) -> u64 {
-        let textures = region_name(Region::Textures);
+        let [.., textures] = REGION_NAMES;
         self.regions.iter().filter(|region| region.region != textures).map(|region| region.bytes).sum()
     }
 

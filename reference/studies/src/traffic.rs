@@ -1,8 +1,8 @@
 //! Where the bytes of a frame go: by class of data, and at each level of the memories.
 
-use crate::summary::region_name;
+use crate::summary::REGION_NAMES;
 use saarcor_fast::chip::{ChipObserver, Traffic};
-use saarcor_model::host::{HostImage, Region, region_starts};
+use saarcor_model::host::{HostImage, region_starts};
 use saarcor_model::time::{ChipConfig, Command, Direction, Load, SdramConfig, Span, TimingReport};
 use saarcor_model::vm::HostAddr;
 use serde::Serialize;
@@ -13,7 +13,7 @@ use std::ops::Range;
 /// a region counts as the region's.
 #[derive(Clone, Debug)]
 pub struct TrafficWatch {
-    /// Where each region of [`Region::ALL`] begins and the image ends.
+    /// Where each region of [`REGION_NAMES`] begins and the image ends.
     starts: [u64; 6],
     sdram: SdramConfig,
     line: u64,
@@ -67,15 +67,14 @@ impl TrafficWatch {
     /// If its bytes do not add up to those of the report: then it is that of another run.
     #[must_use]
     pub fn row(&self, report: &TimingReport) -> TrafficRow {
-        let names = Region::ALL.map(region_name);
-        let pci: BTreeMap<_, _> = names.into_iter().zip(self.loaded).collect();
+        let pci: BTreeMap<_, _> = REGION_NAMES.into_iter().zip(self.loaded).collect();
         let fills: u64 = self.loaded.iter().sum();
         let others = [
             ("fills", fills),
             ("metadata_read", self.metadata_read),
             ("metadata_write_back", self.metadata_write_back),
         ];
-        let mem: BTreeMap<_, _> = names.into_iter().zip(self.read).chain(others).collect();
+        let mem: BTreeMap<_, _> = REGION_NAMES.into_iter().zip(self.read).chain(others).collect();
         assert_eq!(mem.values().sum::<u64>(), report.memory_bytes(), "Mem by class");
         assert_eq!(fills, report.pci_bytes, "PCI by class");
         let clocks = report.cycles as f64 / f64::from(self.sdram.cycles_a_clock);

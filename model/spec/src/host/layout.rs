@@ -51,26 +51,6 @@ pub struct Registers {
     pub lights: Vec<Light>,
 }
 
-/// The parts of a scene in host memory, in the order of their addresses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Region {
-    /// kd-nodes.
-    Nodes,
-    /// Lists of triangle addresses.
-    Lists,
-    /// Triangles.
-    Triangles,
-    /// Materials, then a shading record a triangle.
-    Shading,
-    /// Texels of image textures and bump maps.
-    Textures,
-}
-
-impl Region {
-    /// All regions in the order of their addresses.
-    pub const ALL: [Self; 5] = [Self::Nodes, Self::Lists, Self::Triangles, Self::Shading, Self::Textures];
-}
-
 /// The image of a scene in host memory.
 #[derive(Clone, Debug)]
 pub struct HostImage {
@@ -78,7 +58,8 @@ pub struct HostImage {
     pub bytes: Vec<u8>,
     /// What the driver writes into the chip.
     pub registers: Registers,
-    /// Bytes of each region of [`Region::ALL`], without the padding behind it.
+    /// Bytes of each region, without the padding behind it, in the order of their addresses: nodes,
+    /// lists, triangles, shading (materials, then a shading record a triangle), textures.
     pub region_bytes: [Bytes; 5],
     /// Of the textures, bytes of the coarser levels of mip maps.
     pub mip_map_bytes: Bytes,

@@ -16,7 +16,7 @@ mod tree;
 mod triangle;
 
 pub use features::{Features, features};
-pub use layout::{HostImage, LayoutError, REGION_ALIGNMENT, Region, Registers, region_starts};
+pub use layout::{HostImage, LayoutError, REGION_ALIGNMENT, Registers, region_starts};
 pub use list::{LIST_ENTRY_BYTES, ListEntry};
 pub use node::{NODE_BYTES, NodeRecord};
 pub use records::{MaterialRecord, ShadingRecord};
