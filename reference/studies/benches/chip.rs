@@ -21,7 +21,7 @@ fn frame(c: &mut Criterion, name: &str, scene: &str) {
     let world = World::open(&WorldOptions::new(scene), &Silent).expect("scene");
     let programs = record(&world, 150, &OPTIONS, PacketOrder::default()).programs;
     let mut group = c.benchmark_group("chip");
-    group.throughput(Throughput::Elements(programs.operations()));
+    group.throughput(Throughput::Elements(programs.in_order().count() as u64));
     for version in [Version::None, Version::A, Version::B] {
         let config = standard::chip(name, version).expect("legal");
         for (frames, before) in [("cold", &[][..]), ("warm", std::slice::from_ref(&programs))] {

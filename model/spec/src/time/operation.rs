@@ -43,11 +43,6 @@ impl Programs {
     pub fn in_order(&self) -> impl Iterator<Item = &Operation> {
         self.packets.iter().flat_map(|program| program.iter())
     }
-
-    /// Operations of all packets.
-    pub fn operations(&self) -> u64 {
-        self.packets.iter().map(|packet| packet.len() as u64).sum()
-    }
 }
 
 /// An observer that writes down the program of a packet.
@@ -83,14 +78,6 @@ impl Observer for Recorder {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn operations_of_all_packets_are_counted() {
-        let operation = Operation { addr: HostAddr(0), bytes: 8, rays: 1, unit: Unit::Traversal };
-        let packets = [0, 2, 3].map(|count| vec![operation; count].into());
-        let programs = Programs { packets: packets.to_vec(), triangles: HostAddr(0) };
-        assert_eq!((programs.operations(), programs.in_order().count()), (5, 5));
-    }
 
     #[test]
     fn reads_belong_to_the_operation_that_began() {

@@ -14,7 +14,7 @@ theorems! {
         let accesses: u64 = report.l1.iter().map(|l1| l1.accesses).sum();
         cover!(s, "a hit", report.l1.iter().any(|l1| l1.hits() > 0));
         cover!(s, "a miss", report.l1.iter().any(|l1| l1.misses > 0));
-        cover!(s, "an operation of several lines", accesses > programs.operations());
+        cover!(s, "an operation of several lines", accesses > programs.in_order().count() as u64);
         cover!(s, "an operation without rays", programs.in_order().any(|operation| operation.rays == 0));
     }
 }
