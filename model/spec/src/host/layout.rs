@@ -109,8 +109,8 @@ impl HostImage {
             scene.materials.len() as u64 * u64::from(features.material_bytes())
                 + triangle_ids.len() as u64 * u64::from(features.shading_record_bytes()),
             texture_bytes(features.mip_maps),
-        ];
-        let region_bytes = region_bytes.map(Bytes);
+        ]
+        .map(Bytes);
         let starts = region_starts(region_bytes)?;
         let [nodes, lists, triangles, materials, texels, _] = starts.map(|start| start as u32);
         let shading = materials + scene.materials.len() as u32 * features.material_bytes();

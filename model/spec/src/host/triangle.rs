@@ -52,11 +52,8 @@ pub struct TriangleRecord {
 impl TriangleRecord {
     /// Reads a triangle, of whose list entry `tag` are the two lowest bits.
     pub fn decode(bytes: [u8; TRIANGLE_BYTES as usize], tag: u32) -> Self {
-        let mut words = [0.0; 9];
-        for (word, bytes) in words.iter_mut().zip(bytes.as_chunks().0) {
-            *word = f32::from_le_bytes(*bytes);
-        }
-        Self { words, tag }
+        let (words, _) = bytes.as_chunks();
+        Self { words: std::array::from_fn(|word| f32::from_le_bytes(words[word])), tag }
     }
 
     /// The triangle's own bytes, which [`TriangleRecord::decode`] reads.

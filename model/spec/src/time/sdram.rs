@@ -188,10 +188,8 @@ impl Sdram {
         for row in addr / row_bytes..=(addr + bytes - 1) / row_bytes {
             let begin = addr.max(row * row_bytes);
             let end = (addr + bytes).min((row + 1) * row_bytes);
-            let (column, beats) = (
-                begin % row_bytes / u64::from(self.config.beat_bytes),
-                self.config.beats(begin, end - begin),
-            );
+            let column = begin % row_bytes / u64::from(self.config.beat_bytes);
+            let beats = self.config.beats(begin, end - begin);
             let burst = Burst { bank: (row % banks) as usize, row: row / banks, column, beats, direction };
             self.jobs.push_back(Job::Move(transfer, burst));
         }

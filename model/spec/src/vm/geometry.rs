@@ -148,7 +148,7 @@ impl Geometry {
 
     /// The offset of the byte at `addr` within its line.
     pub fn offset_of(self, addr: HostAddr) -> u32 {
-        addr.0 & self.offset_mask()
+        addr.0 & ((1u64 << self.line_bits) - 1) as u32
     }
 
     /// How many of `len` bytes from `addr` on lie in the line of `addr`, and where the next line begins; none where
@@ -168,10 +168,6 @@ impl Geometry {
     pub fn card_addr(self, set: SetIndex, way: Way) -> CardAddr {
         let slot = u64::from(set.0) << self.way_bits | u64::from(way.0);
         CardAddr((slot << self.line_bits) as u32)
-    }
-
-    fn offset_mask(self) -> u32 {
-        ((1u64 << self.line_bits) - 1) as u32
     }
 }
 
