@@ -71,14 +71,15 @@ fn state(config: CacheConfig, host: Bytes) -> Bytes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use saarcor_model::vm::{Geometry, Hash, Policy};
+    use saarcor_model::time::standard::POLICY;
+    use saarcor_model::vm::{Geometry, Hash};
 
     #[test]
     fn state_that_cannot_be_held_is_refused() {
         let config = |memory, line| CacheConfig {
             geometry: Geometry::new(Bytes(memory), Bytes(line), 4).expect("legal"),
             hash: Hash::default(),
-            policy: Policy::default(),
+            policy: POLICY,
         };
         assert!(check_state(config(64 << 20, 128), Bytes(1 << 30)).is_ok());
         assert!(check_state(config(1 << 32, 1), Bytes(0)).is_err());

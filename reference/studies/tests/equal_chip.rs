@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 use saarcor_model::host::{HostImage, Kernel};
 use saarcor_model::rays::{Frame, Pipeline};
-use saarcor_model::time::standard::PACKET_RAYS;
+use saarcor_model::time::standard::{PACKET_RAYS, POLICY};
 use saarcor_model::time::{ChipConfig, MetadataCacheConfig, Programs, Recorder, Version};
-use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Observed, Policy, WholeScene};
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Observed, WholeScene};
 use saarcor_scenes::builtin::builtin;
 use saarcor_scenes::kdbuild::{self, BuildOptions};
 
@@ -39,7 +39,7 @@ fn fast_chip_is_the_specifications_on_a_picture() {
     let cache = |memory| CacheConfig {
         geometry: Geometry::new(Bytes(memory), Bytes(128), 4).expect("legal"),
         hash: Hash::default(),
-        policy: Policy::default(),
+        policy: POLICY,
     };
     let versions = [Version::None, Version::A, Version::B];
     let chips: Vec<(bool, ChipConfig)> = versions

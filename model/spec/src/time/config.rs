@@ -6,10 +6,9 @@ use super::standard::{self, CHIP_CACHE_WAYS};
 use crate::vm::{CacheConfig, ENTRY_BYTES};
 
 /// Where the scene and its metadata lie (§3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Version {
     /// No virtual memory: the whole scene lies in on-board memory.
-    #[default]
     None,
     /// The metadata of all lines lies on the chip.
     A,

@@ -4,10 +4,9 @@ use super::units::{LineAddr, Way};
 
 /// Which line a full set evicts. The paper names no policy; that of the standard chip is
 /// [`POLICY`](crate::time::standard::POLICY) (Assumed).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Policy {
     /// The least recently used line.
-    #[default]
     Lru,
     /// The line that was loaded first.
     Fifo,

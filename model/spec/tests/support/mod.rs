@@ -1,11 +1,12 @@
 //! What the tests of the chip in time share, here and of its twin.
 
+use saarcor_model::time::standard::POLICY;
 use saarcor_model::time::{ChipConfig, Operation, Programs, TimingReport, UNIT_NAMES, Version};
-use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr, Policy, Unit};
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr, Unit};
 
 pub fn cache(memory: u64, line: u64, ways: u32) -> CacheConfig {
     let geometry = Geometry::new(Bytes(memory), Bytes(line), ways).expect("legal");
-    CacheConfig { geometry, hash: Hash::default(), policy: Policy::default() }
+    CacheConfig { geometry, hash: Hash::default(), policy: POLICY }
 }
 
 pub fn standard(version: Version) -> ChipConfig {
