@@ -643,7 +643,7 @@ impl<'a, O: ChipObserver> Chip<'a, O> {
         let way = self.in_flight(part);
         way.parts -= 1;
         if way.parts == 0 {
-            let there = (span.end + u64::from(self.config.return_latency)).max(self.now + 1);
+            let there = span.end + u64::from(self.config.return_latency);
             self.returning.push_back((there, part.cache, part.register));
         }
     }

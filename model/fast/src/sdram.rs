@@ -22,7 +22,8 @@ pub struct Sdram {
     bus_free: u64,
     /// First clock at which a row of any bank may be opened.
     may_open: u64,
-    /// First clock at which the next read or write command may be given.
+    /// Clock of the last read or write command, before which the next may not be given. In the same
+    /// clock it is not, since a clock has one command.
     may_move: u64,
     next_refresh: u64,
     /// The commands of requests so far that are still to be given, and some that were, by their clocks.
@@ -122,7 +123,7 @@ impl Sdram {
         };
         let bank = &mut self.banks[number];
         bank.may_close = bank.may_close.max(may_close);
-        self.may_move = command + 1;
+        self.may_move = command;
         self.bus_free = end;
         Span { begin, end }
     }

@@ -126,7 +126,7 @@ impl WholeVolumes {
         let across = |height: i128, sum: i128| product(height.unsigned_abs(), sum.unsigned_abs());
         a.signum().cmp(&b.signum()).then_with(|| {
             let order = across(a, other.sum).cmp(&across(b, self.sum));
-            if a < 0 { order.reverse() } else { order }
+            if a.is_negative() { order.reverse() } else { order }
         })
     }
 }
