@@ -1,10 +1,12 @@
-//! A first-level cache in time: who asks, and which lines are in flight.
+//! A first-level cache in time: who asks, which lines are in flight, and who waits for what.
 
-use super::{NOBODY, NONE, members, round_robin};
-use crate::first_level::first_and_last_line;
+use super::observer::{Cache, ChipObserver, Found};
+use super::thread::{NONE, THREADS, Thread};
+use super::{Chip, NOBODY, members, round_robin};
+use crate::first_level::{access, first_and_last_line, is_resident};
 use saarcor_model::time::standard::CHIP_CACHE_WAYS;
-use saarcor_model::time::{CacheReport, ChipConfig, Operation, Programs};
-use saarcor_model::vm::{FirstLevel, Policy, Unit};
+use saarcor_model::time::{CacheReport, ChipConfig, Operation, Programs, Stall};
+use saarcor_model::vm::{FirstLevel, LineAddr, Outcome, Policy, Unit};
 use std::collections::VecDeque;
 
 /// A first-level cache, the threads that ask it (a mask a pipeline), and its lines in flight.
@@ -150,5 +152,104 @@ impl FirstLevelState {
         self.taken &= !(1 << register);
         self.filter[line as usize % BUCKETS] -= 1;
         waiter
+    }
+}
+
+impl<O: ChipObserver> Chip<'_, O> {
+    /// Phase 2: lines arrive at first-level caches.
+    pub(super) fn lines_from_memory(&mut self) {
+        while let Some(&(there, cache, register)) = self.returning.front()
+            && there <= self.now
+        {
+            self.returning.pop_front();
+            let mut thread = self.l1[usize::from(cache)].release(usize::from(register));
+            while thread != NONE {
+                let next = self.threads[thread as usize].next;
+                self.answer(thread);
+                thread = next;
+            }
+            self.ask_again(usize::from(cache));
+        }
+    }
+
+    /// Phase 7: the ports of the first-level caches (CH-8).
+    pub(super) fn look_up_lines(&mut self) {
+        for cache in members(self.asked) {
+            let mut ports = self.config.l1[cache].ports;
+            while ports > 0 && self.l1[cache].is_asked() {
+                let (pipeline, thread) = self.l1[cache].next_in_turn();
+                self.look_up(cache, pipeline * THREADS + thread);
+                self.ask_again(cache);
+                ports -= 1;
+            }
+            if !self.l1[cache].is_asked() {
+                self.asked &= !(1 << cache);
+            }
+        }
+    }
+
+    /// The thread that waits longest for a register asks again, if one is free (CH-11).
+    #[inline]
+    fn ask_again(&mut self, cache: usize) {
+        let l1 = &mut self.l1[cache];
+        if !l1.parked.is_empty()
+            && !l1.is_full()
+            && let Some(thread) = l1.parked.pop_front()
+        {
+            self.ask(thread);
+        }
+    }
+
+    /// A thread's look-up (CH-9 to CH-11).
+    #[inline]
+    fn look_up(&mut self, cache: usize, number: u32) {
+        let l1 = &mut self.l1[cache];
+        let Thread { line, packet, .. } = self.threads[number as usize];
+        let in_flight = l1.register_of(line);
+        if in_flight.is_none() && l1.is_full() && !is_resident(&l1.cache, LineAddr(line)) {
+            l1.parked.push_back(number);
+            self.wait(number, Stall::Mshr);
+            return;
+        }
+        let outcome = access(&mut l1.cache, LineAddr(line));
+        l1.report.accesses += 1;
+        let register = match (in_flight, outcome) {
+            (Some(register), _) => {
+                l1.report.merged += 1;
+                self.observer.look_up(packet, Cache::L1(cache), Found::InFlight);
+                register
+            }
+            (None, Outcome::Hit { .. }) => {
+                self.observer.look_up(packet, Cache::L1(cache), Found::Resident);
+                self.wheel.insert(self.now + u64::from(self.config.l1[cache].latency), number);
+                self.wait(number, Stall::LookUp);
+                return;
+            }
+            (None, Outcome::Miss { .. }) => {
+                l1.report.misses += 1;
+                self.observer.look_up(packet, Cache::L1(cache), Found::Missing);
+                let register = l1.take(line);
+                for (addr, bytes) in self.parts(cache, line) {
+                    let part = LinePart { addr, bytes, packet, cache: cache as u8, register: register as u8 };
+                    self.l1[cache].parts.push_back(part);
+                    self.l1[cache].in_flight[register].parts += 1;
+                }
+                self.missed |= 1 << cache;
+                register
+            }
+        };
+        let way = &mut self.l1[cache].in_flight[register];
+        self.threads[number as usize].next = std::mem::replace(&mut way.waiter, number);
+        let stall = if way.from_host == 0 { Stall::Memory } else { Stall::Host };
+        self.wait(number, stall);
+    }
+
+    /// The threads that wait for a first-level line now wait because of `stall`.
+    pub(super) fn blame(&mut self, part: LinePart, stall: Stall) {
+        let mut thread = self.in_flight(part).waiter;
+        while thread != NONE {
+            self.wait(thread, stall);
+            thread = self.threads[thread as usize].next;
+        }
     }
 }

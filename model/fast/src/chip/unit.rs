@@ -1,6 +1,8 @@
 //! A unit of a pipeline: who wants it, and where its cycles went.
 
-use super::{NOBODY, round_robin};
+use super::observer::ChipObserver;
+use super::thread::{Stage, THREADS};
+use super::{Chip, NOBODY, round_robin};
 use saarcor_model::time::{MAX_COUNT, Stall, UnitReport};
 
 /// Bits of a counter of threads in [`UnitState::waiting`].
@@ -98,5 +100,27 @@ impl UnitState {
         self.settle(now);
         let [stalls @ .., idle] = self.without_rays;
         UnitReport { stalls, idle, ..self.report }
+    }
+}
+
+impl<O: ChipObserver> Chip<'_, O> {
+    /// Phase 6: units that are free take the next packet that is ready (CH-6).
+    pub(super) fn start_units(&mut self) {
+        for place in self.attended.drain(..) {
+            let (port, pipeline) = (place as usize % 4, place / 4);
+            let unit = &mut self.units[place as usize];
+            if unit.free > self.now {
+                continue;
+            }
+            let number = pipeline * THREADS + unit.next_in_turn();
+            let thread = &mut self.threads[number as usize];
+            thread.stage = Stage::Working;
+            unit.take(thread.rays, self.cycles[port][usize::from(thread.rays)], self.now);
+            if unit.ready != 0 {
+                unit.called = true;
+                self.wheel.insert(unit.free, self.threads.len() as u32 + place);
+            }
+            self.wheel.insert(unit.free + u64::from(self.config.units[port].latency), number);
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! What will happen in which cycle.
 
-use super::NONE;
+use super::thread::NONE;
 use saarcor_model::time::MAX_LATENCY;
 
 /// Events of the next [`WHEEL`] cycles: for each of these a list of numbers, of threads and then of
