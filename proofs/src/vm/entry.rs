@@ -3,7 +3,7 @@
 //! Loops run over the 3 check bits, the 5 bytes, or the ways.
 
 use crate::draw::{self, BYTES, EDGES, ENDS, WORDS};
-use crate::source::{Holds, Source};
+use crate::source::{Holds, Source, Stop};
 use crate::{assume, check, check_eq, cover, theorems};
 use saarcor_model::vm::{Corrupt, ENTRY_BYTES, Entry, LineAddr, Policy, Set};
 
@@ -12,6 +12,16 @@ fn entry(s: &mut impl Source, small: &'static [u32]) -> Entry {
     let line = draw::line(s, small);
     let resident = draw::flag(s, "resident");
     Entry { line, resident, order: s.value("order", 0..=15, &BYTES[..16]) }
+}
+
+/// An error of one bit, or of two or three neighbouring ones, among the 40: it flips the bits that are 1. `firsts` and `shapes`
+/// are the small scope.
+pub fn short_error(s: &mut impl Source, firsts: &'static [u8], shapes: &'static [u8]) -> Result<u64, Stop> {
+    let (first, shape) = (s.value("bit", 0..=39, firsts), s.value("shape", 0..=3, shapes));
+    // Bits 1, 11, 101, 111, from the first on.
+    let error = (2 * u64::from(shape) + 1) << first;
+    assume!(error < 1 << 40);
+    Ok(error)
 }
 
 /// The 40 bits with those of `error` flipped.
@@ -55,13 +65,10 @@ theorems! {
     #["VM-12", unwind 8, covers ["one bit", "three bits", "a check bit"]]
     fn short_errors_are_detected(s) {
         let entry = entry(s, &ENDS);
-        let (first, shape) = (s.value("bit", 0..=39, &WORDS), s.value("shape", 0..=3, &BYTES[..4]));
-        // Bits 1, 11, 101, 111: those of up to three neighbours, from the first on.
-        let error = (2 * u64::from(shape) + 1) << first;
-        assume!(error < 1 << 40);
-        cover!(s, "one bit", shape == 0);
-        cover!(s, "three bits", shape == 3);
-        cover!(s, "a check bit", first >= 37);
+        let error = short_error(s, &BYTES, &BYTES[..4])?;
+        cover!(s, "one bit", error.count_ones() == 1);
+        cover!(s, "three bits", error.count_ones() == 3);
+        cover!(s, "a check bit", error.trailing_zeros() >= 37);
         let bits = flipped(entry.encode(), error);
         check!(Entry::decode(bits).is_err(), "{entry:?} with the bits {error:#x} flipped is {:?}", Entry::decode(bits));
     }
@@ -72,9 +79,7 @@ theorems! {
     fn errors_are_detected_in_every_way(s) {
         let (policy, set) = draw::set::<S, 4>(s)?;
         let way = s.value("way of the error", 0..=3, draw::words(0, 4)) as usize;
-        let (first, shape) = (s.value("bit", 0..=39, &[0, 32, 37_u8]), s.value("shape", 0..=3, &BYTES[2..4]));
-        let error = (2 * u64::from(shape) + 1) << first;
-        assume!(error < 1 << 40);
+        let error = short_error(s, &[0, 32, 37], &BYTES[2..4])?;
         cover!(s, "of a resident line", set.resident[way]);
         cover!(s, "of a free way", !set.resident[way]);
         cover!(s, "in the last way", way == 3);

@@ -19,6 +19,7 @@
 pub mod places;
 
 use super::directory;
+use super::entry::short_error;
 use crate::draw::{self, BYTES, WORDS};
 use crate::source::{Source, Stop};
 use crate::{assume, check, check_eq, cover, shown, theorems};
@@ -351,10 +352,8 @@ theorems! {
             let bits = std::array::from_fn(|i| if i < ENTRY_BYTES { right[i] ^ wrong[i] } else { 0 });
             u64::from_le_bytes(bits)
         } else {
-            let (first, shape) = (s.value("bit", 0..=39, &[0, 7, 31, 36, 39_u8]), s.value("shape", 0..=3, &BYTES[..4]));
-            (2 * u64::from(shape) + 1) << first
+            short_error(s, &[0, 7, 31, 36, 39], &BYTES[..4])?
         };
-        assume!(error < 1 << 40);
         let other = s.value("byte beside the set", 0..=u8::MAX, &BYTES[9..10]);
         let mut right = [other; MANY_BYTES];
         for (i, byte) in was.to_entries().as_flattened().iter().enumerate() {
