@@ -352,6 +352,17 @@ impl From<UnitReport> for UnitRow {
     }
 }
 
+impl UnitRow {
+    /// Part of the cycles in which threads wait for this cause.
+    ///
+    /// # Panics
+    /// If there is no cause of this name.
+    #[must_use]
+    pub fn waits_for(&self, cause: &str) -> f64 {
+        self.stalls[cause] as f64 / (self.busy + self.stalled + self.idle).max(1) as f64
+    }
+}
+
 impl TimingRow {
     /// Part of the look-ups of a unit's first-level cache that hit.
     ///

@@ -143,8 +143,6 @@ fn work_table(spots: &[HotSpot]) -> Table {
         let run = &spot.no_vm;
         let a_ray = |unit: &str| run.units[unit].rays as f64 / run.rays.max(1) as f64;
         let rate = |unit: &str| format!("{:.1} %", 100.0 * run.hit_rate(unit));
-        let unit = &run.units["intersection"];
-        let all = (unit.busy + unit.stalled + unit.idle).max(1) as f64;
         // The one hit rate that the paper prints (§4).
         let is_printed = spot.paper.as_ref().is_some_and(|paper| paper.frame == "1625");
         table.row([
@@ -156,7 +154,7 @@ fn work_table(spots: &[HotSpot]) -> Table {
             rate("intersection"),
             if is_printed { "13 %".to_owned() } else { "–".to_owned() },
             rate("shading"),
-            format!("{:.1} %", 100.0 * unit.stalls["memory"] as f64 / all),
+            format!("{:.1} %", 100.0 * run.units["intersection"].waits_for("memory")),
         ]);
     }
     table

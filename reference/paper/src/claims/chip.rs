@@ -324,11 +324,7 @@ fn local_memory(spots: &[HotSpot]) -> Claim {
     let has_cruiser = spots.iter().any(|spot| spot.family() == "Cruiser");
     // The other scenes are there to compare; a scene of the user's is judged as the Cruiser is.
     let judged = || spots.iter().filter(|spot| !has_cruiser || spot.family() == "Cruiser");
-    let stalled = |spot: &HotSpot| {
-        let unit = &spot.no_vm.units[TRIANGLES];
-        let all = (unit.busy + unit.stalled + unit.idle).max(1) as f64;
-        Some(unit.stalls["memory"] as f64 / all)
-    };
+    let stalled = |spot: &HotSpot| Some(spot.no_vm.units[TRIANGLES].waits_for("memory"));
     let mut numbers = ranges(spots, gain);
     let stalls = ranges(judged(), stalled).into_iter();
     numbers.extend(
