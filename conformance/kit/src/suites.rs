@@ -141,6 +141,7 @@ pub const META: &[(&str, &str)] = suites![
     "meta/granules-of-a-range",
     "meta/flush-empties-the-card",
     "meta/flush-drops-what-was-written",
+    "meta/flush-of-all-metadata",
     "meta/corrupt-set-is-empty",
     "meta/each-check-bit-counts",
     "meta/bits-flip",
