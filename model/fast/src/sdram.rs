@@ -22,8 +22,8 @@ pub struct Sdram {
     bus_free: u64,
     /// First clock at which a row of any bank may be opened.
     may_open: u64,
-    /// Clock of the last read or write command, before which the next may not be given. In the same
-    /// clock it is not, since a clock has one command.
+    /// Clock of the last read or write command: the next is not given before it, and not in it, as a
+    /// clock has one command.
     may_move: u64,
     next_refresh: u64,
     /// The commands of requests so far that are still to be given, and some that were, by their clocks.

@@ -338,7 +338,8 @@ impl Shape {
     #[must_use]
     pub fn ours(spot: &HotSpot) -> Self {
         let HotSpot { no_vm, version_a: a, version_b: b, .. } = spot;
-        let mem = [no_vm, a, b].map(|run| in_mb(run.mem_bytes));
+        // First-level caches may hold all that a frame reads.
+        let mem = [no_vm, a, b].map(|run| in_mb(run.mem_bytes.max(1)));
         Self::new([no_vm.fps, a.fps, b.fps], mem, in_mb(a.pci_bytes))
     }
 }

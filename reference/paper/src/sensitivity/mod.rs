@@ -272,7 +272,7 @@ impl<'a> Row<'a> {
         let paper = printed(measured);
         let Measured { fps, mem_bytes, pci_bytes, .. } = *measured;
         let pci = pci_bytes[0] as f64;
-        let ours = Shape::new(fps, mem_bytes.map(|bytes| bytes as f64), pci);
+        let ours = Shape::new(fps, mem_bytes.map(|bytes| bytes.max(1) as f64), pci);
         let ratio = |bytes: u64, paper: f64, least: f64| in_mb(bytes).max(least) / paper.max(least);
         let absolute = [
             fps[0] / paper.no_vm.fps,
@@ -426,6 +426,16 @@ mod tests {
         // Without any such setting nothing is said of it.
         let result = Sensitivity::of(&options("1/4"), &settings(), &rows[..25]).expect("rows");
         assert_eq!(result.sample.map(|sample| (sample.settings, sample.error)), Some((0, None)));
+    }
+
+    /// As where first-level caches hold all that a frame reads.
+    #[test]
+    fn frames_that_move_nothing_are_compared() {
+        let mut rows = all();
+        rows.iter_mut().filter(|row| row.setting == "banks=8").for_each(|row| row.mem_bytes = [0; 3]);
+        let result = Sensitivity::of(&options("1"), &settings(), &rows).expect("rows");
+        let Errors { relations, mem_b_of_a, mem, .. } = result.bars[2].effects["all"].errors;
+        assert!([relations, mem_b_of_a, mem].into_iter().all(f64::is_finite));
     }
 
     #[test]

@@ -3,7 +3,6 @@
 use saarcor_model::time::standard::CHIP_CACHE_WAYS;
 use saarcor_model::time::{ChipConfig, SdramConfig};
 use saarcor_model::vm::{Hash, Policy, Unit};
-use saarcor_scenes::kdbuild::{BuildOptions, SplitRule};
 use saarcor_studies::trace::{PacketOrder, PacketSize, TraceOptions};
 use saarcor_studies::world::WorldOptions;
 
@@ -256,9 +255,6 @@ pub const NUMBERS: &[AssumedNumber] = &[
                 world.tree.max_depth = Some((triangles.max(1) as f64).log2() as u32 + 2);
             }),
             world("sah 1.5, leaves of 16", |world, _| world.tree.max_leaf = 16),
-            world("median", |world, _| {
-                world.tree = BuildOptions { rule: SplitRule::SpatialMedian, ..world.tree };
-            }),
         ],
     },
 ];
