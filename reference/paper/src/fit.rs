@@ -64,6 +64,11 @@ impl<'a> Compared<'a> {
     }
 }
 
+/// How a family is called: those of the real scenes stand apart.
+pub(crate) fn family_name(real: bool, family: &str) -> String {
+    if real { format!("{family} (real scene)") } else { family.to_owned() }
+}
+
 /// Names of the relations.
 pub const A_OF_NO_VM: &str = "A / no VM";
 /// See [`A_OF_NO_VM`].

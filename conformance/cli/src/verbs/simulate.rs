@@ -25,7 +25,7 @@ use serde::Serialize;
 use std::io::Write as _;
 use std::path::PathBuf;
 
-/// Frames whose programs are kept in memory together: tens of MB each.
+/// Frames whose programs are kept in memory together: so many, that it stays bounded.
 const MOST_KEPT: usize = 16;
 
 /// A frame, and the chip that it is simulated on.

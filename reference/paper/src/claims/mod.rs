@@ -6,6 +6,7 @@ mod walks;
 
 use crate::alternatives::ADMITTED;
 use crate::figure3::Graph;
+use crate::fit::family_name;
 use crate::table1::SceneRow;
 use crate::table2::HotSpot;
 use saarcor_studies::metadata::MetadataFacts;
@@ -198,9 +199,7 @@ impl fmt::Display for Range {
 fn families<'a>(spots: impl IntoIterator<Item = &'a HotSpot>) -> BTreeMap<String, Vec<&'a HotSpot>> {
     let mut families: BTreeMap<String, Vec<&HotSpot>> = BTreeMap::new();
     for spot in spots {
-        let name = spot.family();
-        let name = if spot.real { format!("{name} (real scene)") } else { name.to_owned() };
-        families.entry(name).or_default().push(spot);
+        families.entry(family_name(spot.real, spot.family())).or_default().push(spot);
     }
     families
 }

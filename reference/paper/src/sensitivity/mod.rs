@@ -10,7 +10,7 @@ pub use measure::{Measured, Options, Setting, measure};
 pub use numbers::{AssumedNumber, NUMBERS, Value};
 
 use crate::error::ReproductionError;
-use crate::fit::{A_OF_NO_VM, B_OF_NO_VM, Compared, MEM_B_OF_A, bootstrap, percent};
+use crate::fit::{A_OF_NO_VM, B_OF_NO_VM, Compared, MEM_B_OF_A, bootstrap, family_name, percent};
 use crate::table2::Shape;
 use crate::tables::{LEAST_MEM_MB, LEAST_PCI_MB, Table2Row, in_mb, table2};
 use serde::Serialize;
@@ -128,7 +128,7 @@ impl Sensitivity {
         settings: &[Setting],
         measured: &[Measured],
     ) -> Result<Self, ReproductionError> {
-        let drawn = options.drawn()?;
+        let (drawn, all) = (options.drawn()?, options.rows()?);
         let of_all =
             Rows::of(measured, |one| one.is_of(options.extent) && (!one.real || options.scenes.is_some()));
         let rows = Rows(of_all.0.iter().copied().filter(|one| drawn.contains(&one.place())).collect());
@@ -146,9 +146,7 @@ impl Sensitivity {
         Ok(Self {
             resolution: options.extent.trace().resolution,
             settings: settings.len() + 1,
-            sample: (drawn.len() < options.rows()?)
-                .then(|| of_all.worth(sample, &rows, settings, options))
-                .transpose()?,
+            sample: (drawn.len() < all).then(|| of_all.worth(sample, all, &rows, settings)),
             numbers: NUMBERS.iter().map(facts).collect(),
             defaults: rows.bar(""),
             combinations: together.into_iter().map(|setting| rows.bar(&setting.to_string())).collect(),
@@ -206,8 +204,7 @@ impl<'a> Rows<'a> {
         let mut by_family: BTreeMap<String, Vec<Pair<'_>>> = BTreeMap::new();
         for pair in pairs {
             let (real, family) = pair.row.compared.family();
-            let name = if real { format!("{family} (real scene)") } else { family.to_owned() };
-            by_family.entry(name).or_default().push(pair);
+            by_family.entry(family_name(real, family)).or_default().push(pair);
         }
         Bar {
             setting: setting.to_owned(),
@@ -216,15 +213,8 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// What a sample of these rows is worth, by the settings that all rows were measured with.
-    fn worth(
-        &self,
-        part: String,
-        sample: &Rows<'_>,
-        settings: &[Setting],
-        options: &Options,
-    ) -> Result<SampleFacts, ReproductionError> {
-        let all = options.rows()?;
+    /// What a sample of these rows is worth, by the settings that `all` rows were measured with.
+    fn worth(&self, part: String, all: usize, sample: &Rows<'_>, settings: &[Setting]) -> SampleFacts {
         let names = settings.iter().map(ToString::to_string);
         let both = names.filter(|setting| self.with(setting).len() == all).filter_map(|setting| {
             let (sample, all) = (sample.bar(&setting), self.bar(&setting));
@@ -234,13 +224,13 @@ impl<'a> Rows<'a> {
         let squares = both.iter().map(|(sample, all)| (sample.change - all).powi(2));
         let mean = squares.sum::<f64>() / both.len() as f64;
         let within = |(sample, all): &&(Effect, f64)| (sample.interval[0]..=sample.interval[1]).contains(all);
-        Ok(SampleFacts {
+        SampleFacts {
             part,
             rows: (sample.with("").len(), all),
             settings: both.len(),
             error: (!both.is_empty()).then(|| mean.sqrt()),
             within: both.iter().filter(within).count(),
-        })
+        }
     }
 }
 
