@@ -224,27 +224,15 @@ impl Spot<'_> {
         chips.map(move |config| Planned { plan: Some(plan), config, start }).collect::<Vec<_>>().into_iter()
     }
 
-    /// The frame on each of the chips. Frames before are traced one by one, and warm the caches of all chips.
+    /// The frame on each of the chips.
     fn play(&self, what: &str, chips: &[Planned<'_>]) -> Result<Vec<Played>, StudyError> {
         let Self { world, frame, how, monitor, .. } = *self;
         let order = PacketOrder::default();
-        let frames = |start: Start| start.warm_up(how.warm_up).before(frame);
-        let history = chips.iter().map(|chip| frames(chip.start)).max().unwrap_or(0);
-        let triangles = world.image.registers.triangles;
-        let empty = chips.iter().map(|chip| Caches::empty(triangles, &chip.config));
-        let mut caches: Vec<Caches> = empty.collect::<Result<_, _>>()?;
-        let recording = monitor.during(&format!("{what}: trace"), |report| {
-            let before = record_before(world, frame, history, how.trace, order, report);
-            for (ago, picture) in (1..=history).rev().zip(before) {
-                let each = std::mem::take(&mut caches).into_par_iter().zip(chips);
-                let warmed = each.map(|(caches, chip)| match ago <= frames(chip.start) {
-                    true => caches.then(&picture),
-                    false => caches,
-                });
-                caches = warmed.collect();
-            }
-            record(world, frame, how.trace, order)
-        });
+        let begun: Vec<Begun> = chips.iter().map(|chip| (chip.config, chip.start)).collect();
+        let (caches, recording) = monitor.during(&format!("{what}: trace"), |report| {
+            let caches = caches_before(world, frame, &begun, how.warm_up, how.trace, order, report)?;
+            Ok::<_, StudyError>((caches, record(world, frame, how.trace, order)))
+        })?;
         Ok(monitor.during(&format!("{what}: chip"), |_| {
             let each = caches.into_par_iter().zip(chips);
             each.map(|(caches, chip)| self.played(caches, chip, &recording)).collect()
@@ -252,8 +240,7 @@ impl Spot<'_> {
     }
 
     fn played(&self, caches: Caches, chip: &Planned<'_>, recording: &Recording) -> Played {
-        let Planned { plan, config, start } = *chip;
-        let caches = if start == Start::ColdFirstLevel { caches.with_cold_first_level() } else { caches };
+        let Planned { plan, config, .. } = *chip;
         let programs = &recording.programs;
         let (report, traffic) = match plan {
             None => {
@@ -267,6 +254,41 @@ impl Spot<'_> {
         let rays = recording.picture.rays.total();
         Played { config, row: TimingRow::new(self.stand.scene, self.frame, rays, &config, &report), traffic }
     }
+}
+
+/// A chip, and in what state its caches begin.
+pub(crate) type Begun = (ChipConfig, Start);
+
+/// The caches of chips when a frame begins. The frames before it are traced one by one, and warm the caches of all chips.
+///
+/// # Errors
+/// If the configuration of one makes no chip.
+pub(crate) fn caches_before(
+    world: &World,
+    frame: usize,
+    chips: &[Begun],
+    usual: WarmUp,
+    trace: &TraceOptions,
+    order: PacketOrder,
+    report: &(dyn Fn(f64) + Sync),
+) -> Result<Vec<Caches>, StudyError> {
+    let frames = |start: Start| start.warm_up(usual).before(frame);
+    let history = chips.iter().map(|(_, start)| frames(*start)).max().unwrap_or(0);
+    let triangles = world.image.registers.triangles;
+    let empty = chips.iter().map(|(config, _)| Caches::empty(triangles, config));
+    let mut all: Vec<Caches> = empty.collect::<Result<_, _>>()?;
+    for (ago, picture) in (1..=history).rev().zip(record_before(world, frame, history, trace, order, report))
+    {
+        let each = all.into_par_iter().zip(chips);
+        let warmed = each
+            .map(|(caches, (_, start))| if ago <= frames(*start) { caches.then(&picture) } else { caches });
+        all = warmed.collect();
+    }
+    let begin = |(caches, (_, start)): (Caches, &Begun)| match start {
+        Start::ColdFirstLevel => caches.with_cold_first_level(),
+        Start::Warm | Start::Empty | Start::TenFrames => caches,
+    };
+    Ok(all.into_iter().zip(chips).map(begin).collect())
 }
 
 impl Played {

@@ -1,10 +1,11 @@
 //! Rows of Table 2 on chips, trees and pictures that differ from the standard ones.
 
 use super::numbers::{Change, NUMBERS, Value};
+use crate::alternatives::Start;
 use crate::error::ReproductionError;
 use crate::reproduction::Extent;
 use crate::sections::Section;
-use crate::table2::rows_of;
+use crate::table2::{Begun, caches_before, rows_of};
 use crate::tables::Table2Row;
 use rayon::prelude::*;
 use saarcor_fast::chip::{Caches, simulate_from};
@@ -13,7 +14,7 @@ use saarcor_scenes::kdbuild::BuildOptions;
 use saarcor_studies::StudyError;
 use saarcor_studies::monitor::Monitor;
 use saarcor_studies::sampling::plan::SampleFraction;
-use saarcor_studies::simulate::{WarmUp, record, record_before};
+use saarcor_studies::simulate::{WarmUp, record};
 use saarcor_studies::standard::{self, family};
 use saarcor_studies::trace::{PacketOrder, TraceOptions};
 use saarcor_studies::world::{World, WorldOptions};
@@ -109,8 +110,9 @@ impl Setting {
         Ok(chip)
     }
 
-    fn is_cold(&self) -> bool {
-        self.changes().any(|change| matches!(change, Change::ColdFirstLevel))
+    fn start(&self) -> Start {
+        let is_cold = self.changes().any(|change| matches!(change, Change::ColdFirstLevel));
+        if is_cold { Start::ColdFirstLevel } else { Start::Warm }
     }
 }
 
@@ -393,9 +395,6 @@ struct Run {
     pci_bytes: u64,
 }
 
-/// A chip, and whether its first-level caches hold nothing when the frame begins.
-type Begun = (ChipConfig, bool);
-
 /// A frame on the chips of some settings: without virtual memory, version A, version B. Chips that are the same for what a
 /// version has are simulated once.
 fn play(
@@ -406,7 +405,7 @@ fn play(
     tracing: &Tracing,
 ) -> Result<Vec<[Run; 3]>, StudyError> {
     let begun = |setting: &Setting, version| -> Result<Begun, StudyError> {
-        Ok((with_what_it_has(setting.chip(of, version)?, of)?, setting.is_cold()))
+        Ok((with_what_it_has(setting.chip(of, version)?, of)?, setting.start()))
     };
     let mut chips: Vec<Begun> = Vec::new();
     let mut places: Vec<[usize; 3]> = Vec::new();
@@ -421,15 +420,9 @@ fn play(
         places.push([place(Version::None)?, place(Version::A)?, place(Version::B)?]);
     }
     let Tracing { trace, order, warm_up } = tracing;
-    let triangles = world.image.registers.triangles;
-    let empty = chips.iter().map(|(config, _)| Caches::empty(triangles, config));
-    let mut caches: Vec<Caches> = empty.collect::<Result<_, _>>()?;
-    for picture in record_before(world, frame, warm_up.before(frame), trace, *order, &|_| ()) {
-        caches = caches.into_par_iter().map(|caches| caches.then(&picture)).collect();
-    }
+    let caches = caches_before(world, frame, &chips, *warm_up, trace, *order, &|_| ())?;
     let programs = record(world, frame, trace, *order).programs;
-    let run = |(caches, (config, is_cold)): (Caches, &Begun)| {
-        let caches = if *is_cold { caches.with_cold_first_level() } else { caches };
+    let run = |(caches, (config, _)): (Caches, &Begun)| {
         let report = simulate_from(caches, &programs, &mut ());
         Run { fps: config.fps(report.cycles), mem_bytes: report.memory_bytes(), pci_bytes: report.pci_bytes }
     };
