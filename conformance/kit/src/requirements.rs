@@ -74,31 +74,40 @@ pub fn coverage() -> Result<Vec<Covered>, Error> {
 /// The ids of all requirements, in the order of SPEC.md and PROTOCOL.md.
 fn ids() -> Vec<&'static str> {
     let mut ids = Vec::new();
-    for line in DOCUMENTS.iter().flat_map(|document| document.lines()) {
-        let id = line.strip_prefix("| ").and_then(|line| line.split(" | ").next()).unwrap_or_default();
-        let (unit, number) = id.split_once('-').unwrap_or_default();
-        let is_id = unit.starts_with(|letter: char| letter.is_ascii_uppercase())
-            && unit.len() <= 2
-            && !number.is_empty()
-            && number.bytes().all(|digit| digit.is_ascii_digit());
-        if is_id && !ids.contains(&id) {
+    for (id, _) in rows() {
+        if !ids.contains(&id) {
             ids.push(id);
         }
     }
     ids
 }
 
-/// The documents that have a row for each requirement.
-const DOCUMENTS: [&str; 2] = [include_str!("../../../model/SPEC.md"), include_str!("../../PROTOCOL.md")];
-
 /// What the requirement of an id such as `VM-6` demands; none where there is no such requirement.
 #[must_use]
 pub fn text(id: &str) -> Option<&'static str> {
+    rows().find(|row| row.0 == id).map(|row| row.1)
+}
+
+/// The documents that have a row for each requirement.
+const DOCUMENTS: [&str; 2] = [include_str!("../../../model/SPEC.md"), include_str!("../../PROTOCOL.md")];
+
+/// The rows of all tables that begin with the id of a requirement: the id, and the text beside it.
+fn rows() -> impl Iterator<Item = (&'static str, &'static str)> {
     let row = |line: &'static str| {
-        line.strip_prefix("| ")?.strip_prefix(id)?.strip_prefix(" | ")?.split(" | ").next()
+        let (id, rest) = line.strip_prefix("| ")?.split_once(" | ")?;
+        let text = rest.split(" | ").next()?.trim_end_matches(['|', ' ']);
+        is_id(id).then_some((id, text))
     };
-    let found = DOCUMENTS.iter().flat_map(|document| document.lines()).find_map(row);
-    found.map(|text| text.trim_end_matches(['|', ' ']))
+    DOCUMENTS.iter().flat_map(|document| document.lines()).filter_map(row)
+}
+
+/// Whether this is the id of a requirement, such as `VM-6`: a capital, perhaps one character more, and a number.
+fn is_id(id: &str) -> bool {
+    let (unit, number) = id.split_once('-').unwrap_or_default();
+    unit.starts_with(|letter: char| letter.is_ascii_uppercase())
+        && unit.len() <= 2
+        && !number.is_empty()
+        && number.bytes().all(|digit| digit.is_ascii_digit())
 }
 
 #[cfg(test)]
