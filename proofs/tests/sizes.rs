@@ -355,6 +355,21 @@ impl MetadataObserver<[u8; GRANULE]> for Events {
     fn corrupt(&mut self) {}
 }
 
+/// Forgets the range of `len` bytes from the first byte of `line` on in both, which move the same metadata.
+fn invalidate_alike<const WAYS: usize>(
+    b: &mut Directory<WAYS, CachedMetadata<WAYS, METADATA_WAYS, GRANULE, Events>>,
+    naive: &mut NaiveTags,
+    line: LineAddr,
+    len: u64,
+) {
+    let addr = HostAddr(line.0.wrapping_mul(b.config.geometry.line().0 as u32));
+    let mut expected = Vec::new();
+    b.invalidate(addr, len);
+    naive.invalidate(addr, len, &mut expected);
+    assert_eq!(b.metadata.observer.0, expected, "{:?}: {len} bytes at {addr:?}", b.config);
+    b.metadata.observer.0.clear();
+}
+
 /// Version B moves what the naive tags move: while each set is used `blocks` times, then for lines at random, and for ranges
 /// that are invalidated and a flush between.
 fn metadata_is_the_naive_tags<const WAYS: usize>(
@@ -375,16 +390,12 @@ fn metadata_is_the_naive_tags<const WAYS: usize>(
         assert_eq!(b.metadata.observer.0, expected, "{config:?}: {line:?}");
         b.metadata.observer.0.clear();
         if number % 1000 == 999 {
-            let (addr, len) = (
-                HostAddr(line.0.wrapping_mul(config.geometry.line().0 as u32)),
-                config.geometry.line().0 + 1,
-            );
-            if config.lines_of(addr, len).count() < config.geometry.lines() as usize {
-                expected.clear();
-                b.invalidate(addr, len);
-                naive.invalidate(addr, len, &mut expected);
-                assert_eq!(b.metadata.observer.0, expected, "{config:?}: {len} bytes at {addr:?}");
-                b.metadata.observer.0.clear();
+            invalidate_alike(&mut b, &mut naive, line, config.geometry.line().0 + 1);
+        }
+        if number + 1 == count {
+            // One line less than the cache has, and as many.
+            for lines in [config.geometry.lines() - 1, config.geometry.lines()] {
+                invalidate_alike(&mut b, &mut naive, LineAddr(0), lines * config.geometry.line().0);
             }
         }
         if number == count {

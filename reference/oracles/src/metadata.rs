@@ -127,21 +127,34 @@ impl NaiveTags {
         if found.is_some() { Outcome::Hit { way } } else { Outcome::Miss { way, evicted } }
     }
 
-    /// Forgets every line that `len` bytes at `addr` touch, one after the other, and says what moved.
+    /// Forgets every line that `len` bytes at `addr` touch, and says what moved: one after the other; or, where they are as
+    /// many as the cache has, those that the ways of the first set name, then those of the second, and so on.
     pub fn invalidate(&mut self, addr: HostAddr, len: u64, moved: &mut Vec<GranuleEvent>) {
         let line_bytes = self.config.geometry.line().0;
         // No address is beyond the 32 bits.
         let end = u64::from(addr.0).saturating_add(len).min(1 << 32);
-        let (first, behind_last) = (u64::from(addr.0) / line_bytes, end.div_ceil(line_bytes));
-        for line in first..if len > 0 { behind_last } else { first } {
-            let line = LineAddr(line as u32);
-            let set = self.sets.set_of(line) as usize;
-            let mut entries = self.load(set, moved);
-            let found = entries.iter_mut().find(|entry| entry.resident && entry.line == line.0);
-            if let Some(entry) = found {
-                entry.resident = false;
-                self.store(set, &entries, moved);
+        let first = u64::from(addr.0) / line_bytes;
+        let behind_last = if len > 0 { end.div_ceil(line_bytes) } else { first };
+        if behind_last - first < self.config.geometry.lines() {
+            (first..behind_last).for_each(|line| self.forget(line as u32, moved));
+            return;
+        }
+        for set in 0..self.config.geometry.sets() as usize {
+            for entry in self.load(set, moved) {
+                if (first..behind_last).contains(&u64::from(entry.line)) {
+                    self.forget(entry.line, moved);
+                }
             }
+        }
+    }
+
+    fn forget(&mut self, line: u32, moved: &mut Vec<GranuleEvent>) {
+        let set = self.sets.set_of(LineAddr(line)) as usize;
+        let mut entries = self.load(set, moved);
+        let found = entries.iter_mut().find(|entry| entry.resident && entry.line == line);
+        if let Some(entry) = found {
+            entry.resident = false;
+            self.store(set, &entries, moved);
         }
     }
 
