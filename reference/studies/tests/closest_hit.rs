@@ -162,25 +162,25 @@ fn every_kernel() {
 
 #[test]
 #[ignore = "long: 6·10⁹ triangle tests, half a minute"]
-fn conference() {
+fn rays_of_the_conference() {
     builtin_agrees("conference");
 }
 
 #[test]
 #[ignore = "long: 3·10¹⁰ triangle tests, minutes"]
-fn sodahall() {
+fn rays_of_sodahall() {
     builtin_agrees("sodahall");
 }
 
 #[test]
 #[ignore = "long: 7·10¹⁰ triangle tests, minutes"]
-fn cruiser() {
+fn rays_of_the_cruiser() {
     builtin_agrees("cruiser-nt");
 }
 
 #[test]
 #[ignore = "needs the real scenes: SAARCOR_SCENES names their folder"]
-fn real_scenes() {
+fn rays_of_real_scenes() {
     let folder = PathBuf::from(std::env::var_os("SAARCOR_SCENES").expect("SAARCOR_SCENES names a folder"));
     for name in ["oa_dm3", "conference", "conference_raw", "office", "sponza"] {
         let path = folder.join(name).join(name).with_extension("obj");
