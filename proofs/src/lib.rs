@@ -92,6 +92,7 @@ pub fn theorems() -> impl Iterator<Item = &'static theorem::Theorem> {
         equal::directory::THEOREMS,
         equal::version_b::THEOREMS,
         equal::first_level::THEOREMS,
+        equal::stacks::THEOREMS,
         equal::adaptive::THEOREMS,
         equal::sdram::THEOREMS,
         equal::pci::THEOREMS,

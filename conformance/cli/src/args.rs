@@ -2,8 +2,8 @@
 
 use crate::limits::check_state;
 use crate::output::temporaries;
-use crate::size::Size;
-use anyhow::{Context, Result};
+use crate::size::{Size, Sizes};
+use anyhow::{Context, Result, ensure};
 use clap::builder::{
     MapValueParser, OsStringValueParser, PossibleValuesParser, TypedValueParser, ValueParserFactory,
 };
@@ -245,6 +245,72 @@ impl CacheArgs {
         let config = CacheConfig { geometry, hash: self.hash, policy: self.policy };
         check_state(config, Bytes(0))?;
         Ok(config)
+    }
+}
+
+/// The virtual memories of a walk: one, or all that some sizes, hashes and policies make.
+#[derive(Clone, Debug, clap::Args)]
+pub struct CachesArgs {
+    /// Plays all virtual memories at once that these sizes make, such as --memory 1MiB..=64MiB --ways 1,4 (powers of two);
+    /// and hashes and policies, such as --policy lru,fifo
+    #[arg(long)]
+    pub all: bool,
+    /// On-board memory [default: the paper's for a built-in scene, else 8MiB; of all: 1MiB..=64MiB]
+    #[arg(long, value_name = "SIZE")]
+    memory: Option<Sizes>,
+    /// Size of a line [default: 128; of all: 64,128,256]
+    #[arg(long, value_name = "SIZE")]
+    line: Option<Sizes>,
+    /// Lines a set: 1, 2, 4, 8 or 16 [default: 4; of all: 1..=16]
+    #[arg(long, value_name = "N")]
+    ways: Option<Sizes>,
+    /// How a line's set is found
+    #[arg(long, value_delimiter = ',', value_parser = choice(HASHES), default_value = name_of(HASHES, &Hash::default()))]
+    hash: Vec<Hash>,
+    /// Which line of a full set gives way
+    #[arg(long, value_delimiter = ',', value_parser = choice(POLICIES), default_value = name_of(POLICIES, &standard::POLICY))]
+    policy: Vec<Policy>,
+}
+
+impl CachesArgs {
+    /// The virtual memories for a scene: the policy changes last, then the hash, the line, the ways, and the memory first.
+    ///
+    /// # Errors
+    /// If some sizes do not make a cache, or there are several values without `--all`.
+    pub fn configs(&self, scene: &str) -> Result<Vec<CacheConfig>> {
+        let standard = |one: Size, all: &str| match self.all {
+            true => all.parse().expect("sizes"),
+            false => Sizes(vec![one]),
+        };
+        let of = |given: &Option<Sizes>, one, all| given.clone().unwrap_or_else(|| standard(one, all)).0;
+        let memories = of(&self.memory, Size(standard::memory(scene)), "1MiB..=64MiB");
+        let lines = of(&self.line, Size(standard::LINE), "64,128,256");
+        let ways = of(&self.ways, Size(Bytes(standard::WAYS.into())), "1..=16");
+        let counts = [
+            ("memory", memories.len()),
+            ("line", lines.len()),
+            ("ways", ways.len()),
+            ("hash", self.hash.len()),
+            ("policy", self.policy.len()),
+        ];
+        for (name, count) in counts {
+            ensure!(self.all || count == 1, "--{name}: {count} values; one without --all");
+        }
+        let mut configs = Vec::new();
+        for &policy in &self.policy {
+            for &hash in &self.hash {
+                for &Size(line) in &lines {
+                    for &Size(Bytes(ways)) in &ways {
+                        for &Size(memory) in &memories {
+                            let geometry =
+                                Geometry::new(memory, line, u32::try_from(ways).unwrap_or(u32::MAX))?;
+                            configs.push(CacheConfig { geometry, hash, policy });
+                        }
+                    }
+                }
+            }
+        }
+        Ok(configs)
     }
 }
 

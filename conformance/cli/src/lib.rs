@@ -56,5 +56,6 @@ pub mod signals;
 pub mod size;
 pub mod status;
 pub mod summary;
+pub mod surface;
 pub mod table;
 mod verbs;

@@ -4,8 +4,8 @@ use crate::size::Size;
 use anyhow::{Result, ensure};
 use saarcor_model::vm::{Bytes, CacheConfig, Set};
 
-/// Bytes that a walk keeps for each line of the host: two numbers of frames.
-const HISTORY_BYTES: u64 = 8;
+/// Bits that a walk keeps for each line of the host: whether the frame has touched it, and whether it has evicted it.
+const HISTORY_BITS: u64 = 2;
 
 /// Most memory that the state of a simulation may take.
 const MAX_STATE: Bytes = Bytes(4 << 30);
@@ -24,6 +24,23 @@ pub fn check_state(config: CacheConfig, host: Bytes) -> Result<()> {
         Size(geometry.memory()),
         Size(geometry.line()),
         gib(state),
+        gib(MAX_STATE.0)
+    );
+    Ok(())
+}
+
+/// Checks that a walk can play all these caches in front of `host` bytes of host memory.
+///
+/// # Errors
+/// If their states take more memory than there should be.
+pub fn check_walk(configs: &[CacheConfig], host: Bytes) -> Result<()> {
+    configs.iter().try_for_each(|config| check_state(*config, host))?;
+    let all: u64 = configs.iter().map(|config| walked(*config, host).0).sum();
+    ensure!(
+        all <= MAX_STATE.0,
+        "{} virtual memories: simulating them takes {:.1} GiB, more than {:.0} GiB; take fewer, longer lines or less memory",
+        configs.len(),
+        gib(all),
         gib(MAX_STATE.0)
     );
     Ok(())
@@ -56,16 +73,18 @@ fn gib(bytes: u64) -> f64 {
     bytes as f64 / f64::from(1 << 30)
 }
 
-/// Memory that the state of a simulation takes.
+/// Memory that the state of a simulation takes: that of a walk, and the lines that lie on the card.
 fn state(config: CacheConfig, host: Bytes) -> Bytes {
-    let CacheConfig { geometry, .. } = config;
-    let line = geometry.line().0;
-    let host_lines = host.0.div_ceil(line);
-    // The directory; what a walk knows of each line of the host; the lines that lie on the card.
-    let directory = geometry.lines() * size_of::<Set<1>>() as u64;
-    let history = host_lines * HISTORY_BYTES;
-    let card = geometry.memory().0.min(host_lines * line);
-    Bytes(directory + history + card)
+    let line = config.geometry.line().0;
+    let card = config.geometry.memory().0.min(host.0.next_multiple_of(line));
+    Bytes(walked(config, host).0 + card)
+}
+
+/// Memory that a walk takes for a cache: the directory, and what it knows of each line of the host.
+fn walked(config: CacheConfig, host: Bytes) -> Bytes {
+    let directory = config.geometry.lines() * size_of::<Set<1>>() as u64;
+    let lines = host.0.div_ceil(config.geometry.line().0);
+    Bytes(directory + (lines * HISTORY_BITS).div_ceil(8))
 }
 
 #[cfg(test)]
@@ -83,6 +102,11 @@ mod tests {
         };
         assert!(check_state(config(64 << 20, 128), Bytes(1 << 30)).is_ok());
         assert!(check_state(config(1 << 32, 1), Bytes(0)).is_err());
-        assert!(check_state(config(1 << 20, 1), Bytes(1 << 32)).is_err());
+        assert!(check_walk(&[config(1 << 29, 1)], Bytes(0)).is_ok());
+        let error = check_walk(&[config(1 << 29, 1); 2], Bytes(0)).expect_err("8 GiB");
+        assert!(
+            error.to_string().starts_with("2 virtual memories: simulating them takes 8.0 GiB"),
+            "{error}"
+        );
     }
 }

@@ -36,9 +36,65 @@ impl fmt::Display for Size {
     }
 }
 
+/// Some sizes: `8MiB`, `64,128,256`, or the powers of two from one to another, `1MiB..=64MiB`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sizes(pub Vec<Size>);
+
+impl FromStr for Sizes {
+    type Err = ParseError;
+
+    fn from_str(text: &str) -> Result<Self, ParseError> {
+        let mut sizes = Vec::new();
+        for part in text.split(',') {
+            let Some((least, most)) = part.split_once("..=") else {
+                sizes.push(part.parse()?);
+                continue;
+            };
+            let (Size(least), Size(most)): (Size, Size) = (least.parse()?, most.parse()?);
+            if !(least.0.is_power_of_two() && most.0.is_power_of_two() && least.0 <= most.0) {
+                return Err(ParseError::new(
+                    "write a range from one power of two to a larger one, such as 1MiB..=64MiB",
+                ));
+            }
+            sizes.extend((least.0.ilog2()..=most.0.ilog2()).map(|log2| Size(Bytes(1 << log2))));
+        }
+        match (1..sizes.len()).find(|&later| sizes[..later].contains(&sizes[later])) {
+            Some(twice) => Err(ParseError::new(format!("{} is there twice", sizes[twice]))),
+            None => Ok(Self(sizes)),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn several_sizes_are_listed_or_the_powers_of_two_of_a_range() {
+        let sizes = |text: &str| {
+            text.parse().map(|Sizes(sizes)| sizes.iter().map(Size::to_string).collect::<Vec<_>>())
+        };
+        assert_eq!(sizes("8MiB"), Ok(vec!["8MiB".to_owned()]));
+        assert_eq!(sizes("64,256").map(|sizes| sizes.join(" ")), Ok("64 256".to_owned()));
+        assert_eq!(
+            sizes("512KiB..=2MiB,8MiB").map(|sizes| sizes.join(" ")),
+            Ok("512KiB 1MiB 2MiB 8MiB".to_owned())
+        );
+        assert_eq!(sizes("1..=1").map(|sizes| sizes.join(" ")), Ok("1".to_owned()));
+        for (text, right) in [
+            ("", "8MiB"),
+            ("64,", "8MiB"),
+            ("1..4", "8MiB"),
+            ("..=4", "8MiB"),
+            ("4..=1", "1MiB..=64MiB"),
+            ("3..=8", "1MiB..=64MiB"),
+            ("0..=8", "1MiB..=64MiB"),
+            ("64,128,64", "64 is there twice"),
+            ("1..=4,2", "2 is there twice"),
+        ] {
+            assert!(sizes(text).is_err_and(|error| error.to_string().contains(right)), "{text}");
+        }
+    }
 
     #[test]
     fn sizes_read_back_as_they_are_written() {

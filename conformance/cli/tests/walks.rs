@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{room_arg, stdout_of};
+use common::{refusal_of, room_arg, stdout_of};
 use saarcor_model::time::standard::POLICY;
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr};
 use saarcor_oracles::cache::NaiveCache;
@@ -38,6 +38,11 @@ fn rows_have_their_fields_in_order() {
         "collisions",
         "loaded_lines",
         "loaded_bytes",
+        "memory_bytes",
+        "ways",
+        "line_bytes",
+        "hash",
+        "policy",
     ];
     let places = fields.map(|field| out.find(&format!("\"{field}\":")).expect("the field"));
     assert!(places.is_sorted());
@@ -143,6 +148,84 @@ fn packets_share_accesses() {
 fn scenes_without_lights_have_no_shadow_rays() {
     assert!(walk(&["--lights", "0"]).iter().all(|row| number(row, "shadow_rays") == 0));
     assert!(walk(&["--bounces", "0"]).iter().all(|row| number(row, "secondary_rays") == 0));
+}
+
+/// What all virtual memories load at once is what each loads alone.
+#[test]
+fn all_virtual_memories_at_once_are_each_of_them() {
+    let sizes =
+        ["--memory", "2KiB..=32KiB", "--ways", "1,4,16", "--line", "32,128", "--hash", "low,add-upper"];
+    for policies in ["lru", "fifo,plru"] {
+        let args = [&["--all", "--policy", policies, "--frames", "1.."], &sizes[..]].concat();
+        let rows = walk(&args);
+        assert_eq!(rows.len(), 2 * 5 * 3 * 2 * 2 * policies.split(',').count());
+        for (place, row) in rows.iter().enumerate().step_by(7) {
+            let text = |field: &str| row[field].to_string().trim_matches('"').to_owned();
+            let [memory, ways, line, hash, policy] =
+                ["memory_bytes", "ways", "line_bytes", "hash", "policy"].map(text);
+            let alone = [
+                "--memory", &memory, "--ways", &ways, "--line", &line, "--hash", &hash, "--policy", &policy,
+                "--frames", "1..",
+            ];
+            let frame = (number(row, "frame") - 1) as usize;
+            assert_eq!(*row, walk(&alone)[frame], "row {place}");
+        }
+    }
+}
+
+#[test]
+fn several_sizes_are_for_all_virtual_memories() {
+    for (args, right) in [
+        (&["--memory", "1MiB,2MiB"][..], "--memory: 2 values; one without --all"),
+        (&["--policy", "lru,fifo"], "--policy: 2 values; one without --all"),
+        (&["--all", "--memory", "3MiB..=8MiB"], "write a range from one power of two to a larger one"),
+        (&["--all", "--ways", "3"], "3 ways: it must be a power of two from 1 to 16"),
+        (&["--all", "--memory", "1KiB"], "take more memory, shorter lines or fewer ways"),
+        (&["--all", "--memory", "4GiB", "--line", "1,2", "--ways", "1"], "4 GiB"),
+        (&["--svg", "sizes.svg"], "--all"),
+    ] {
+        let says = refusal_of(&[&["walk", &room_arg()], args].concat());
+        assert!(says.contains(right), "{args:?}: {says}");
+    }
+}
+
+/// The table has a row a line and number of ways, the picture a field a virtual memory.
+#[test]
+fn all_virtual_memories_make_a_table_and_a_picture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let picture = folder.path().join("sizes.svg").display().to_string();
+    let scene = ["walk", "pquake3-nt", "--frames", "150..152", "--resolution", "160x120"];
+    let sizes = ["--all", "--memory", "64KiB..=1MiB", "--ways", "1,4", "--line", "64,128", "--svg", &picture];
+    let table = stdout_of(&[&scene[..], &sizes].concat());
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!(lines[0], "MB loaded by 2 frames");
+    assert!(lines[1].contains("64KiB") && lines[1].contains("1MiB"), "{table}");
+    let names: Vec<&str> = lines[2..].iter().map(|line| line.split("  ").next().expect("a name")).collect();
+    assert_eq!(names, ["64, 1 way", "64, 4 ways", "128, 1 way", "128, 4 ways"]);
+
+    let picture = std::fs::read_to_string(picture).expect("a picture");
+    let picture = roxmltree::Document::parse(&picture).expect("SVG");
+    let place =
+        |node: &roxmltree::Node<'_, '_>, axis| node.attribute(axis).and_then(|at| at.parse::<f64>().ok());
+    let texts: Vec<(f64, f64, &str)> = picture
+        .descendants()
+        .filter_map(|node| Some((place(&node, "x")?, place(&node, "y")?, node.text()?)))
+        .collect();
+    let of = |text: &str| {
+        *texts.iter().find(|found| found.2 == text).unwrap_or_else(|| panic!("no {text}: {texts:?}"))
+    };
+    // Each number stands to the right of its row's name, and above its column's.
+    for (name, line) in names.iter().zip(&lines[2..]) {
+        let numbers = line.split_whitespace().rev().take(5);
+        for (memory, number) in ["1MiB", "512KiB", "256KiB", "128KiB", "64KiB"].iter().zip(numbers) {
+            let (x, y) = (of(memory).0, of(name).1);
+            let is_there = |found: &&(f64, f64, &str)| (found.0 - x).abs() < 3.0 && (found.1 - y).abs() < 6.0;
+            assert_eq!(texts.iter().find(is_there).map(|found| found.2), Some(number), "{name}, {memory}");
+        }
+    }
+    let values: std::collections::BTreeSet<&str> =
+        lines[2..].iter().flat_map(|line| line.split_whitespace()).collect();
+    assert!(values.len() > 12, "sizes differ in what they load: {table}");
 }
 
 /// The rows of a trace as addresses.

@@ -14,4 +14,5 @@ pub mod directory;
 pub mod first_level;
 pub mod pci;
 pub mod sdram;
+pub mod stacks;
 pub mod version_b;

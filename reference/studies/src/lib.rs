@@ -30,6 +30,7 @@
 //! | [`trace`] | how pictures are traced |
 //! | [`summary`] | the features that a scene needs, and the bytes of its image |
 //! | [`picture`] | a frame through any memory |
+//! | [`caches`] | virtual memories of any sizes that see the same reads |
 //! | [`walk`] | step one of §4: the traffic of a walk through a scene |
 //! | [`hot_spots`] | the frames of a walk that are simulated on the chip |
 //! | [`simulate`] | step two of §4: a frame on the chip, cycle by cycle |
@@ -45,6 +46,7 @@
 //! | [`error`] | why a study fails |
 
 pub mod accuracy;
+pub mod caches;
 pub mod crosscheck;
 mod dispatch;
 pub mod error;

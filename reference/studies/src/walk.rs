@@ -5,16 +5,14 @@
 //! and record the addresses, and the cache sees the records in one defined order: packets in scan
 //! order, frame after frame. Results are the same for any number of threads.
 
-use crate::dispatch::{ForPackets, ForWays, with_packets, with_ways};
+use crate::caches::{Caches, FrameCounts, Read};
+use crate::dispatch::{ForPackets, with_packets};
 use crate::trace::TraceOptions;
 use crate::world::World;
 use rayon::prelude::*;
 use saarcor_fast::adaptive::FilteredIntersection;
-use saarcor_fast::directory;
 use saarcor_model::rays::{Frame, Pipeline, RayCounts};
-use saarcor_model::vm::{
-    Bytes, CacheConfig, Directory, HostAddr, LineAddr, Observed, Observer, Outcome, Unit, WholeScene,
-};
+use saarcor_model::vm::{Bytes, CacheConfig, HostAddr, LineAddr, Observed, Observer, Unit, WholeScene};
 use serde::Serialize;
 use std::ops::{ControlFlow, Range};
 use std::time::Instant;
@@ -81,7 +79,9 @@ pub struct Walk<'a> {
     world: &'a World,
     frames: Box<dyn Iterator<Item = usize> + 'a>,
     options: WalkOptions,
-    caches: Vec<Box<dyn ObservedCache>>,
+    /// The virtual memories: that of the options first.
+    configs: Vec<CacheConfig>,
+    caches: Caches,
     totals: WalkTotals,
 }
 
@@ -97,9 +97,6 @@ impl<'a> Walk<'a> {
     }
 
     /// The same with other virtual memories beside that of the options: each frame is traced once for all of them.
-    ///
-    /// # Panics
-    /// If not all lines are equally long.
     #[must_use]
     pub fn with_others(
         world: &'a World,
@@ -108,14 +105,13 @@ impl<'a> Walk<'a> {
         others: &[CacheConfig],
     ) -> Self {
         let host = Bytes(world.image.bytes.len() as u64);
-        let line = options.cache.geometry.line();
-        assert!(others.iter().all(|other| other.geometry.line() == line), "lines are equally long");
-        let all = std::iter::once(&options.cache).chain(others);
+        let configs: Vec<_> = std::iter::once(&options.cache).chain(others).copied().collect();
         Self {
             world,
             frames: Box::new(frames.into_iter()),
             options: *options,
-            caches: all.map(|cache| observed_cache(*cache, host)).collect(),
+            caches: Caches::new(&configs, host),
+            configs,
             totals: WalkTotals::default(),
         }
     }
@@ -126,19 +122,23 @@ impl<'a> Walk<'a> {
     /// If the path does not have the frame.
     pub fn next_of_each(&mut self) -> Option<Vec<FrameRow>> {
         let frame = self.frames.next()?;
-        let (started, WalkOptions { cache: config, cold, trace }) = (Instant::now(), self.options);
+        let (started, WalkOptions { cold, trace, .. }) = (Instant::now(), self.options);
         let (caches, mut cache_seconds) = (&mut self.caches, 0.0);
-        caches.iter_mut().for_each(|cache| cache.begin_frame(cold));
-        let traced = trace_frame(self.world, frame, &trace, config, &mut |addresses| {
+        caches.begin_frame(cold);
+        let traced = trace_frame(self.world, frame, &trace, &mut |packets| {
             let started = Instant::now();
-            caches.iter_mut().for_each(|cache| cache.play(addresses));
+            caches.play(packets.iter().flat_map(|packet| packet.reads.iter().copied()));
             cache_seconds += started.elapsed().as_secs_f64();
             ControlFlow::Continue(())
         });
         let rays = traced.continue_value().unwrap_or_default();
-        let line = config.geometry.line();
-        let rows: Vec<FrameRow> =
-            self.caches.iter().map(|cache| row(frame, rays, cache.counts(), line)).collect();
+        let counts = self.caches.counts();
+        let rows: Vec<FrameRow> = self
+            .configs
+            .iter()
+            .zip(counts)
+            .map(|(config, counts)| row(frame, rays, counts, config.geometry.line()))
+            .collect();
         self.totals.rays += rays.total();
         self.totals.accesses += rows.iter().map(|row| row.accesses).sum::<u64>();
         self.totals.cache_seconds += cache_seconds;
@@ -180,8 +180,10 @@ pub fn record_frame<E: Send>(
     each: &mut (dyn FnMut(HostAddr) -> Result<(), E> + Send),
 ) -> Result<RayCounts, E> {
     let mut failed = None;
-    let traced = trace_frame(world, frame, &options.trace, options.cache, &mut |addresses| {
-        failed = addresses.iter().find_map(|&addr| each(HostAddr(addr)).err());
+    let traced = trace_frame(world, frame, &options.trace, &mut |packets| {
+        let reads = packets.iter().flat_map(|packet| &packet.reads);
+        let mut addresses = reads.flat_map(|&(addr, bytes)| accesses(options.cache, addr, bytes.into()));
+        failed = addresses.find_map(|addr| each(addr).err());
         if failed.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     match failed {
@@ -209,39 +211,42 @@ fn row(frame: usize, rays: RayCounts, counts: FrameCounts, line: Bytes) -> Frame
 
 /// The accesses of the virtual memory that reading `bytes` at `addr` makes: the address itself, and
 /// the beginning of each further line.
-pub fn accesses(cache: CacheConfig, addr: HostAddr, bytes: u64) -> impl Iterator<Item = u32> {
+fn accesses(cache: CacheConfig, addr: HostAddr, bytes: u64) -> impl Iterator<Item = HostAddr> {
     let lines = cache.lines_of(addr, bytes);
     let further = (lines.start + 1..lines.end).map(move |line| LineAddr(line as u32));
-    std::iter::once(addr.0).chain(further.map(move |line| cache.geometry.first_byte(line).0))
+    std::iter::once(addr).chain(further.map(move |line| cache.geometry.first_byte(line)))
 }
 
-/// Records which addresses the virtual memory would be asked for.
-struct Addresses {
-    cache: CacheConfig,
-    recorded: Vec<u32>,
-}
+/// Records what units read.
+#[derive(Default)]
+struct Reads(Vec<Read>);
 
-impl Observer for Addresses {
+impl Observer for Reads {
     fn read(&mut self, _unit: Unit, addr: HostAddr, bytes: usize) {
-        self.recorded.extend(accesses(self.cache, addr, bytes as u64));
+        self.0.push((addr, bytes as u32));
     }
 }
 
-/// Takes the addresses that one packet reads; a break ends the tracing.
-type Consume<'a> = dyn FnMut(&[u32]) -> ControlFlow<()> + Send + 'a;
+/// What a packet reads, and its rays.
+struct TracedPacket {
+    reads: Vec<Read>,
+    rays: RayCounts,
+}
 
-/// Traces a frame on all cores and hands the recorded addresses to `consume` in scan order, one
-/// batch while the next is traced.
+/// Takes traced packets; a break ends the tracing.
+type Consume<'a> = dyn FnMut(&[TracedPacket]) -> ControlFlow<()> + Send + 'a;
+
+/// Traces a frame on all cores and hands its packets to `consume` in scan order, one batch while the
+/// next is traced.
 fn trace_frame(
     world: &World,
     frame: usize,
     options: &TraceOptions,
-    cache: CacheConfig,
     consume: &mut Consume<'_>,
 ) -> ControlFlow<(), RayCounts> {
     let (width, height) = options.resolution;
     let frame = Frame::new(&world.path[frame], width, height);
-    let work = TraceFrame { world, frame, max_bounces: options.max_bounces, cache, consume };
+    let work = TraceFrame { world, frame, max_bounces: options.max_bounces, consume };
     with_packets(options.packet, work)
 }
 
@@ -249,7 +254,6 @@ struct TraceFrame<'a> {
     world: &'a World,
     frame: Frame,
     max_bounces: u32,
-    cache: CacheConfig,
     consume: &'a mut Consume<'a>,
 }
 
@@ -257,25 +261,23 @@ impl ForPackets for TraceFrame<'_> {
     type Output = ControlFlow<(), RayCounts>;
 
     fn run<const N: usize>(self) -> Self::Output {
-        let Self { world, frame, max_bounces, cache, consume } = self;
-        let trace_batch = |packets: Range<u32>| -> Vec<(Vec<u32>, RayCounts)> {
+        let Self { world, frame, max_bounces, consume } = self;
+        let trace_batch = |packets: Range<u32>| -> Vec<TracedPacket> {
             let trace = |pipeline: &mut Pipeline<N, _>, packet| {
-                let observer = Addresses { cache, recorded: Vec::new() };
-                let mut memory = Observed { memory: WholeScene(&world.image.bytes), observer };
+                let mut memory =
+                    Observed { memory: WholeScene(&world.image.bytes), observer: Reads::default() };
                 pipeline.render(&mut memory, &world.image.registers, &frame, packet);
-                (memory.observer.recorded, std::mem::take(&mut pipeline.rays))
+                TracedPacket { reads: memory.observer.0, rays: std::mem::take(&mut pipeline.rays) }
             };
             packets
                 .into_par_iter()
                 .map_init(|| Pipeline::with(FilteredIntersection::default(), max_bounces), trace)
                 .collect()
         };
-        let mut consume_batch = |batch: &[(Vec<u32>, RayCounts)]| {
+        let mut consume_batch = |batch: &[TracedPacket]| {
             let mut rays = RayCounts::default();
-            for (addresses, traced) in batch {
-                rays += *traced;
-                consume(addresses)?;
-            }
+            batch.iter().for_each(|packet| rays += packet.rays);
+            consume(batch)?;
             ControlFlow::Continue(rays)
         };
         let packets = frame.packets::<N>();
@@ -293,115 +295,5 @@ impl ForPackets for TraceFrame<'_> {
         }
         rays += consume_batch(&batch)?;
         ControlFlow::Continue(rays)
-    }
-}
-
-/// Counts of the cache in one frame.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct FrameCounts {
-    /// Lines touched, as often as they were.
-    pub accesses: u64,
-    /// Lines loaded.
-    pub loaded: u64,
-    /// Distinct lines touched.
-    pub working_set: u64,
-    /// Loads of lines that had been resident.
-    pub collisions: u64,
-}
-
-/// A cache whose number of ways the caller need not know.
-pub trait ObservedCache: Send {
-    /// Begins a frame, with an empty cache if `cold`.
-    fn begin_frame(&mut self, cold: bool);
-    /// Accesses the lines at these addresses.
-    fn play(&mut self, addresses: &[u32]);
-    /// What happened since the frame began.
-    fn counts(&self) -> FrameCounts;
-}
-
-/// An empty cache in front of `host` bytes of host memory.
-#[must_use]
-pub fn observed_cache(config: CacheConfig, host: Bytes) -> Box<dyn ObservedCache> {
-    with_ways(config.geometry.ways(), NewCache { config, host })
-}
-
-struct NewCache {
-    config: CacheConfig,
-    host: Bytes,
-}
-
-impl ForWays for NewCache {
-    type Output = Box<dyn ObservedCache>;
-
-    fn run<const WAYS: usize>(self) -> Self::Output {
-        Box::new(History::<WAYS>::new(self.config, self.host))
-    }
-}
-
-/// A directory and, for each line of host memory, when it was last touched and evicted.
-struct History<const WAYS: usize> {
-    directory: Directory<WAYS>,
-    /// Frames begun so far. Frame numbers below count from 1; 0 is never.
-    frame: u32,
-    lines: Vec<LineHistory>,
-    counts: FrameCounts,
-}
-
-#[derive(Clone, Copy, Default)]
-struct LineHistory {
-    /// The frame in which the line was last touched.
-    touched_in: u32,
-    /// The frame in which it was last evicted.
-    evicted_in: u32,
-}
-
-impl<const WAYS: usize> History<WAYS> {
-    fn new(config: CacheConfig, host: Bytes) -> Self {
-        let lines = host.0.div_ceil(config.geometry.line().0) as usize;
-        Self {
-            directory: Directory::new(config),
-            frame: 0,
-            lines: vec![LineHistory::default(); lines],
-            counts: FrameCounts::default(),
-        }
-    }
-}
-
-impl<const WAYS: usize> ObservedCache for History<WAYS> {
-    fn begin_frame(&mut self, cold: bool) {
-        self.frame += 1;
-        self.counts = FrameCounts::default();
-        if cold {
-            self.directory.flush();
-        }
-    }
-
-    fn play(&mut self, addresses: &[u32]) {
-        let geometry = self.directory.config.geometry;
-        self.counts.accesses += addresses.len() as u64;
-        let mut last = None;
-        for &addr in addresses {
-            let line = geometry.line_of(HostAddr(addr));
-            // The same line again hits and changes nothing, whatever the policy (a law of the set).
-            if last == Some(line) {
-                continue;
-            }
-            last = Some(line);
-            let history = &mut self.lines[line.0 as usize];
-            self.counts.working_set += u64::from(history.touched_in != self.frame);
-            history.touched_in = self.frame;
-            if let Outcome::Miss { evicted, .. } = directory::access(&mut self.directory, line) {
-                self.counts.loaded += 1;
-                // It lay in the cache at some time of this frame if it was evicted in it.
-                self.counts.collisions += u64::from(history.evicted_in == self.frame);
-                if let Some(evicted) = evicted {
-                    self.lines[evicted.0 as usize].evicted_in = self.frame;
-                }
-            }
-        }
-    }
-
-    fn counts(&self) -> FrameCounts {
-        self.counts
     }
 }

@@ -1,23 +1,29 @@
 //! `saarcor walk`.
 
 use super::auto::AutoArgs;
-use crate::args::{CacheArgs, FrameRange, SceneArgs, TraceArgs, describe};
-use crate::limits::check_state;
-use crate::output::{Stdout, json_line};
+use crate::args::{CachesArgs, FrameRange, SceneArgs, TraceArgs, describe};
+use crate::limits::check_walk;
+use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
 use crate::size::Size;
+use crate::surface::{self, Loaded};
 use crate::table::{Column, aligned};
 use crate::{sample, summary};
 use anyhow::Result;
-use saarcor_model::vm::{Bytes, Geometry};
+use saarcor_kit::vm::config::{HASHES, POLICIES};
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry};
 use saarcor_paper::mb;
 use saarcor_studies::hot_spots::{Extreme, HotFrame, cuts, hot_spots};
+use saarcor_studies::names::name_of;
 use saarcor_studies::sampling::plan::SampleFraction;
 use saarcor_studies::sampling::walk::walk_sample;
 use saarcor_studies::summary::Summary;
 use saarcor_studies::walk::{FrameRow, Walk, WalkOptions, WalkTotals};
+use saarcor_studies::world::World;
 use serde::Serialize;
 use std::io::{IsTerminal, stdout};
+use std::ops::Range;
+use std::path::PathBuf;
 
 /// Step one of the paper's §4: rays, traffic and working set of each frame of a walk
 #[derive(Debug, clap::Args)]
@@ -32,15 +38,18 @@ pub struct Args {
     #[command(flatten)]
     trace: TraceArgs,
     #[command(flatten)]
-    cache: CacheArgs,
+    caches: CachesArgs,
+    /// Draws what all virtual memories load, over their sizes
+    #[arg(long, value_name = "FILE.svg", requires = "all")]
+    svg: Option<PathBuf>,
     /// Empties the virtual memory before each frame
     #[arg(long)]
     cold: bool,
     /// Finds so many hot spots, and cuts of the camera; with --json they are the last line [default: 3, without --json]
-    #[arg(long, value_name = "N", conflicts_with = "sample", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", conflicts_with_all = ["sample", "all"], value_parser = clap::value_parser!(u16).range(1..))]
     hot_spots: Option<u16>,
     /// Works on a part of the packets in full, such as 1/8, and prints estimates with intervals of 95 %
-    #[arg(long, value_name = "F")]
+    #[arg(long, value_name = "F", conflicts_with = "all")]
     sample: Option<SampleFraction>,
     /// Prints one JSON object a frame
     #[arg(long)]
@@ -50,16 +59,23 @@ pub struct Args {
 impl Args {
     /// Walks, and prints a row a frame.
     pub fn run(self, progress: &Progress) -> Result<()> {
-        let cache = self.cache.config(&self.scene.scene.text())?;
+        let configs = self.caches.configs(&self.scene.scene.text())?;
+        check_walk(&configs, Bytes(0))?;
+        let svg = self.svg.as_deref().map(|path| OutFile::check(path)?.with_ending(&["svg"])).transpose()?;
         let world = self.auto.open(&self.scene, self.frames.last(), progress)?;
+        svg.iter().try_for_each(|svg| svg.check_inputs(&world.files))?;
         let frames = self.frames.of(&world);
-        check_state(cache, Bytes(world.image.bytes.len() as u64))?;
+        check_walk(&configs, Bytes(world.image.bytes.len() as u64))?;
         let scene = Summary::of(&world);
-        let lines = summary::lines(&scene).into_iter();
-        let lines = lines.chain([summary::image_line(&scene), describe(&cache)]);
+        let lines = summary::lines(&scene).into_iter().chain([summary::image_line(&scene)]);
         lines.for_each(|line| progress.say(line));
-
+        let cache = configs[0];
         let options = WalkOptions { cache, cold: self.cold, trace: self.trace.options() };
+        if self.caches.all {
+            progress.say(format_args!("{} virtual memories", configs.len()));
+            return self.all(&world, frames, &options, &configs, svg, progress);
+        }
+        progress.say(describe(&cache));
         let length = frames.len();
         // Rows on a terminal show how far the walk is.
         let bar = if stdout().is_terminal() { Progress::new(true) } else { *progress };
@@ -90,7 +106,7 @@ impl Args {
         bar.during("walk", |report| -> Result<()> {
             for (done, row) in walk.by_ref().enumerate() {
                 if self.json {
-                    json_line(&mut out, &row)?;
+                    json_line(&mut out, &CacheRow::new(row, &cache))?;
                 } else {
                     out.line(text(&row))?;
                 }
@@ -112,6 +128,73 @@ impl Args {
         }
         say_speed(&walk.totals(), progress);
         out.finish()
+    }
+
+    /// Walks with all virtual memories at once; prints what each loads, with JSON a row a frame and virtual memory.
+    fn all(
+        &self,
+        world: &World,
+        frames: Range<usize>,
+        options: &WalkOptions,
+        configs: &[CacheConfig],
+        svg: Option<OutFile>,
+        progress: &Progress,
+    ) -> Result<()> {
+        let (length, mut out) = (frames.len(), Stdout::new());
+        let mut loaded = vec![0; configs.len()];
+        let mut walk = Walk::with_others(world, frames, options, &configs[1..]);
+        progress.during("walk", |report| -> Result<()> {
+            let mut done = 0;
+            while let Some(rows) = walk.next_of_each() {
+                for ((row, config), loaded) in rows.into_iter().zip(configs).zip(&mut loaded) {
+                    *loaded += row.loaded_bytes;
+                    if self.json {
+                        json_line(&mut out, &CacheRow::new(row, config))?;
+                    }
+                }
+                done += 1;
+                report(done as f64 / length as f64);
+                out.flush()?;
+            }
+            Ok(())
+        })?;
+        let loaded: Vec<_> =
+            configs.iter().zip(loaded).map(|(&config, bytes)| Loaded { config, bytes }).collect();
+        if !self.json {
+            out.line(format_args!("MB loaded by {length} frames"))?;
+            out.line(surface::table(&loaded))?;
+        }
+        if let Some(svg) = svg {
+            let drawing = surface::svg(&loaded, &self.scene.scene.text(), length)?;
+            svg.write(|file| Ok(file.write_all(drawing.as_bytes())?))?;
+        }
+        say_speed(&walk.totals(), progress);
+        out.finish()
+    }
+}
+
+/// A row of a walk, and the virtual memory whose row it is.
+#[derive(Serialize)]
+struct CacheRow {
+    #[serde(flatten)]
+    row: FrameRow,
+    memory_bytes: u64,
+    ways: u32,
+    line_bytes: u64,
+    hash: &'static str,
+    policy: &'static str,
+}
+
+impl CacheRow {
+    fn new(row: FrameRow, CacheConfig { geometry, hash, policy }: &CacheConfig) -> Self {
+        Self {
+            row,
+            memory_bytes: geometry.memory().0,
+            ways: geometry.ways(),
+            line_bytes: geometry.line().0,
+            hash: name_of(HASHES, hash),
+            policy: name_of(POLICIES, policy),
+        }
     }
 }
 

@@ -4,13 +4,14 @@ use super::estimate::{Estimate, distinct, loads, seldom, total};
 use super::plan::{Plan, SampleFraction};
 use super::row::{Quantity, SampleRow};
 use super::trace::{Traced, rough_options};
+use crate::caches::{Caches, FrameCounts};
 use crate::error::StudyError;
 use crate::trace::PacketOrder;
-use crate::walk::{FrameCounts, FrameRow, ObservedCache, Walk, WalkOptions, accesses, observed_cache};
+use crate::walk::{FrameRow, Walk, WalkOptions};
 use crate::world::World;
 use saarcor_model::host::Features;
 use saarcor_model::rays::RayCounts;
-use saarcor_model::vm::{Bytes, CacheConfig};
+use saarcor_model::vm::Bytes;
 use std::ops::Range;
 
 /// Walks through `frames` with a part of their packets, the same of each frame, and gives `each` the
@@ -40,7 +41,7 @@ pub fn walk_sample<E: From<StudyError>>(
         _ => pixels(trace.resolution) / pixels(rough_trace.resolution),
     };
     let host = Bytes(world.image.bytes.len() as u64);
-    let new_cache = || Played { cache: observed_cache(options.cache, host), config: options.cache };
+    let new_cache = || Played(Caches::new(&[options.cache], host));
     let (mut rough_cache, mut cache) = (new_cache(), new_cache());
     for frame in frames {
         let rough = Traced::rough(world, frame, &rough_trace, &plan);
@@ -50,7 +51,7 @@ pub fn walk_sample<E: From<StudyError>>(
         );
         let fine = rough.with(sample, &plan);
         let fine_shares = cache.play(&fine, &plan, options.cold);
-        let seen = cache.cache.counts().working_set as f64;
+        let seen = cache.counts().working_set as f64;
         let sample = Sample { plan: &plan, fine: fine_shares, rough: rough_shares, seen, each: rays_each };
         each(&row(frame as u64, sample.quantities(options)))?;
     }
@@ -83,25 +84,24 @@ struct Share {
 }
 
 /// A cache, played what packets read.
-struct Played {
-    cache: Box<dyn ObservedCache>,
-    config: CacheConfig,
-}
+struct Played(Caches);
 
 impl Played {
+    /// What it has done since the frame began.
+    fn counts(&self) -> FrameCounts {
+        self.0.counts()[0]
+    }
+
     /// What the packets of each block of a frame do in the cache. Where some are in full, only blocks
     /// of such say what they do.
     fn play(&mut self, frame: &Traced, plan: &Plan, cold: bool) -> Vec<Share> {
-        self.cache.begin_frame(cold);
+        self.0.begin_frame(cold);
         let mut shares = vec![Share::default(); plan.blocks()];
-        let (mut addresses, mut last) = (Vec::new(), FrameCounts::default());
+        let mut last = FrameCounts::default();
         for (standing, program) in frame.packets() {
-            addresses.clear();
-            for operation in program.iter().filter(|operation| operation.bytes > 0) {
-                addresses.extend(accesses(self.config, operation.addr, operation.bytes.into()));
-            }
-            self.cache.play(&addresses);
-            let now = self.cache.counts();
+            let operations = program.iter().filter(|operation| operation.bytes > 0);
+            self.0.play(operations.map(|operation| (operation.addr, operation.bytes.into())));
+            let now = self.counts();
             let before = std::mem::replace(&mut last, now);
             let Share { rays, counts } = &mut shares[standing.block as usize];
             *rays += standing.rays;
