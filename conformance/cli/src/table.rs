@@ -44,6 +44,19 @@ impl Table {
         self.rows.push(cells);
     }
 
+    /// The same without the columns that have no value in any row, which a dash stands for.
+    #[must_use]
+    pub fn without_blank_columns(self) -> Self {
+        let is_blank =
+            |place: &usize| !self.rows.is_empty() && self.rows.iter().all(|row| row[*place] == "–");
+        let kept: Vec<usize> = (0..self.columns.len()).filter(|place| !is_blank(place)).collect();
+        let of = |cells: &[String]| kept.iter().map(|&place| cells[place].clone()).collect();
+        Self {
+            columns: kept.iter().map(|&place| self.columns[place].clone()).collect(),
+            rows: self.rows.iter().map(|row| of(row)).collect(),
+        }
+    }
+
     /// The table as an HTML element with its caption.
     #[must_use]
     pub fn to_html(&self, caption: &str) -> String {
@@ -111,6 +124,14 @@ mod tests {
     #[test]
     fn text_is_aligned() {
         assert_eq!(table().to_string(), "scene   µs\na<b      7\nc      123");
+    }
+
+    #[test]
+    fn columns_without_values_can_go() {
+        let mut table = Table::new(["row", "paper", "ours"].map(Column::text));
+        table.row(["a", "–", "1"].map(str::to_owned));
+        table.row(["b", "–", "–"].map(str::to_owned));
+        assert_eq!(table.without_blank_columns().to_string(), "row  ours\na    1\nb    –");
     }
 
     #[test]

@@ -227,8 +227,17 @@ fn reproduction_of_a_scene_that_is_none() {
     of("pquake", &[], &["pquake3"]);
     of(&room, &["--path", &at("none.csv")], &["none.csv"]);
     of(&room, &["--memory", "3MiB"], &["3145728", "power of two"]);
+    of(&room, &["--memory", "4GiB"], &["virtual memories", "less memory"]);
     of(&room, &["--memory", "4GiB", "--scenes", "."], &["--scenes", "--scene"]);
     refuses(&["reproduce", "--memory", "8MiB"], &["--scene"]);
+    // An option that another one takes the place of is not passed over.
+    for other in [&["--sample", "1/2"][..], &["--over", "hash"], &["--combine", "banks=8"]] {
+        of(&room, other, &[other[0], "--scene"]);
+    }
+    for other in ["--path", "--memory"] {
+        refuses(&["reproduce", "--scenes", ".", other, "8MiB"], &[other, "--scenes"]);
+        refuses(&["reproduce", "--sensitivity", other, "8MiB"], &[other, "--sensitivity"]);
+    }
     assert!(!Path::new(&out).exists() || Path::new(&out).read_dir().expect("a folder").count() == 0);
 }
 
@@ -243,6 +252,7 @@ fn sensitivity_to_what_is_no_assumed_number() {
     of(&["--over", "granules"], &["granules", "granule"]);
     of(&["--combine", "granule=17 B"], &["granule=17 B", "banks=8"]);
     of(&["--sample", "3/2"], &["3/2", "1/8"]);
+    of(&["--sample", "1/1000"], &["--sample 1/1000", "25 rows", "larger"]);
     refuses(&["reproduce", "--over", "granule"], &["--sensitivity"]);
     refuses(&["reproduce", "--sample", "1/4"], &["--sensitivity"]);
     refuses(&["reproduce", "--warm-up", "all"], &["--warm-up", "walk"]);
@@ -251,9 +261,18 @@ fn sensitivity_to_what_is_no_assumed_number() {
     assert_is_empty(folder.path());
     std::fs::create_dir(out).expect("a folder");
     let kept = Path::new(out).join("sensitivity.jsonl");
-    std::fs::write(&kept, "frame,cycles\n").expect("written");
-    of(&[], &["sensitivity.jsonl", "line 1", "another folder"]);
-    assert_eq!(std::fs::read_to_string(&kept).expect("text"), "frame,cycles\n");
+    let row = |fps: &str| {
+        format!(
+            "{{\"defaults\":\"0\",\"resolution\":[256,192],\"scene\":\"sodahall\",\"real\":false,\"of\":\"Sodahall\",\"row\":\"152\",\
+             \"frame\":1,\"hot_spots\":[1],\"setting\":\"\",\"fps\":{fps},\"mem_bytes\":[1,1,1],\"pci_bytes\":[1,1]}}\n"
+        )
+    };
+    let (negative, one_row) = (row("[0.0,-5.0,1e300]"), "{\"result\":1}".to_owned());
+    for other in ["frame,cycles\n".to_owned(), negative, one_row, format!("{}?", row("[1.0,1.0,1.0]"))] {
+        std::fs::write(&kept, &other).expect("written");
+        of(&[], &["sensitivity.jsonl", "another folder"]);
+        assert_eq!(std::fs::read_to_string(&kept).expect("text"), other, "nothing is lost");
+    }
 }
 
 /// A reader that goes away early, as `head -1` does, has seen enough.

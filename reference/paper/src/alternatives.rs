@@ -167,6 +167,12 @@ pub fn of(of: Option<&str>, place: usize) -> Vec<Plan> {
     plans
 }
 
+/// Most chips on which a frame of a scene of the user's is simulated: those of the three versions, and of all plans.
+#[must_use]
+pub fn most_chips() -> usize {
+    3 + of(None, 0).iter().map(|plan| plan.versions.len()).sum::<usize>()
+}
+
 /// Chips for each frame.
 fn each() -> Vec<Plan> {
     let fast_bus = |chip: &mut ChipConfig| chip.pci = PciConfig::BITS_64_AT_66_MHZ;

@@ -22,6 +22,14 @@ pub enum ReproductionError {
     /// A setting names what no Assumed number has.
     #[error("{0}: name values of Assumed numbers, such as {example}", example = SETTING)]
     NoSetting(String),
+    /// A sample draws no row.
+    #[error("--sample {sample}: draws none of the {all} rows; take a larger part")]
+    NoRows {
+        /// The part.
+        sample: String,
+        /// All rows.
+        all: usize,
+    },
     /// What was measured cannot be kept.
     #[error("what was measured cannot be kept: {0}")]
     Keep(#[from] std::io::Error),

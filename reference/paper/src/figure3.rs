@@ -95,12 +95,14 @@ pub struct MemoryRow {
     pub frames: usize,
     /// Of these, frames whose working set is not larger than the memory.
     pub frames_that_fit: usize,
-    /// Bytes loaded a frame, the first one left out, for which nothing is there yet.
-    pub loaded_bytes_a_frame: f64,
+    /// Bytes loaded by the first frame, for which nothing is there yet.
+    pub first_loaded_bytes: u64,
+    /// Bytes loaded a frame, the first one left out; none of a single frame.
+    pub loaded_bytes_a_frame: Option<f64>,
     /// The most that one of these loads.
-    pub most_loaded_bytes: u64,
+    pub most_loaded_bytes: Option<u64>,
     /// Collisions a frame of these.
-    pub collisions_a_frame: f64,
+    pub collisions_a_frame: Option<f64>,
     /// Frames a second that the standard bus has room for, if each loads as much; none if they load nothing.
     pub bus_fps: Option<f64>,
 }
@@ -108,19 +110,22 @@ pub struct MemoryRow {
 impl MemoryRow {
     fn new(geometry: Geometry, rows: &[FrameRow]) -> Self {
         let later = &rows[rows.len().min(1)..];
-        let count = later.len().max(1) as f64;
-        let sum = |value: fn(&FrameRow) -> u64| later.iter().map(value).sum::<u64>() as f64;
+        let a_frame = |value: fn(&FrameRow) -> u64| {
+            let sum = later.iter().map(value).sum::<u64>() as f64;
+            (!later.is_empty()).then(|| sum / later.len() as f64)
+        };
         let bus = PciConfig::BITS_32_AT_33_MHZ;
-        let lines = sum(|row| row.loaded_lines) / count;
-        let cycles = lines * bus.cycles(geometry.line().0) as f64;
+        let cycles =
+            a_frame(|row| row.loaded_lines).map(|lines| lines * bus.cycles(geometry.line().0) as f64);
         Self {
             memory_bytes: geometry.memory().0,
             frames: rows.len(),
             frames_that_fit: rows.iter().filter(|row| row.working_set_bytes <= geometry.memory().0).count(),
-            loaded_bytes_a_frame: sum(|row| row.loaded_bytes) / count,
-            most_loaded_bytes: later.iter().map(|row| row.loaded_bytes).max().unwrap_or(0),
-            collisions_a_frame: sum(|row| row.collisions) / count,
-            bus_fps: (cycles > 0.0).then(|| CORE_HZ as f64 / cycles),
+            first_loaded_bytes: rows.first().map_or(0, |row| row.loaded_bytes),
+            loaded_bytes_a_frame: a_frame(|row| row.loaded_bytes),
+            most_loaded_bytes: later.iter().map(|row| row.loaded_bytes).max(),
+            collisions_a_frame: a_frame(|row| row.collisions),
+            bus_fps: cycles.filter(|cycles| *cycles > 0.0).map(|cycles| CORE_HZ as f64 / cycles),
         }
     }
 }

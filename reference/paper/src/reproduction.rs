@@ -10,7 +10,7 @@ use crate::metadata;
 use crate::sections::Section;
 use crate::table1::SceneRow;
 use crate::table2::{self, HotSpot, How, STANDARD, StandIn};
-use saarcor_model::time::ChipConfig;
+use saarcor_model::time::{ChipConfig, Version};
 use saarcor_model::vm::CacheConfig;
 use saarcor_scenes::read_cameras;
 use saarcor_studies::StudyError;
@@ -87,7 +87,7 @@ pub struct Reproduction {
     pub extent: Extent,
     /// Pixels a row, and rows, of the pictures.
     pub resolution: (u32, u32),
-    /// Frames before each hot spot that warm the caches: a number, or `walk` for all.
+    /// Frames before each hot spot that warm the caches, as text: a number, or `walk` for all.
     pub warm_up: WarmUp,
     /// The examples of §3.
     pub metadata: Vec<MetadataFacts>,
@@ -199,8 +199,10 @@ impl Reproduction {
         let options = WalkOptions { cache: *cache, cold: false, trace };
         let (graph, memories) =
             Graph::with_memories(name, &world, &options, memories, step.max(1), OWN_HOT_SPOTS, monitor);
-        let stand_in = StandIn { scene: name, real: true, of: None };
-        let with_cache = |config| ChipConfig { cache: *cache, ..config };
+        let stand_in = StandIn { scene: name, real: false, of: None };
+        // A built-in scene has the first-level caches that it has in Table 2.
+        let l1 = standard::chip(&scene.world.scene, Version::None)?.l1;
+        let with_cache = |config| ChipConfig { cache: *cache, l1, ..config };
         let how = How { setting: &with_cache, warm_up, trace: &trace };
         let simulate = |frames: &[usize]| table2::hot_spots(stand_in, &world, frames, &how, monitor);
         let frames: Vec<usize> = graph.hot_spots.iter().map(|spot| spot.frame).collect();

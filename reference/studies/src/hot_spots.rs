@@ -40,7 +40,7 @@ const CUT_STEPS: f32 = 8.0;
 const SPOTS_A_PATH: usize = 50;
 
 /// The frames before which the camera cuts (WK-5): its eye moves more than eight times as far as the median
-/// of the path's moves, or it turns by more than half of its field of view.
+/// of the path's moves, the larger of two in the middle, or it turns by more than half of its vertical field of view.
 #[must_use]
 pub fn cuts(path: &[Camera]) -> BTreeSet<usize> {
     let moves = || path.windows(2).map(|pair| pair[0].eye.distance(pair[1].eye));
@@ -57,7 +57,7 @@ pub fn cuts(path: &[Camera]) -> BTreeSet<usize> {
 
 /// `count` hot spots of a walk through a path, or as many as there are, in the order of their frames (WK-4): in turn the
 /// frame with the largest working set and the one with most collisions, the first of several, that is apart from
-/// those found before by at least a fiftieth of the path. Where no frame that is left has a collision, the working set decides.
+/// those found before by at least a fiftieth of the path, rounded down. Where no frame that is left has a collision, the working set decides.
 ///
 /// The first frame of the path and those after a cut are not among them, since no frame before warms their caches;
 /// unless there are no others.

@@ -44,10 +44,13 @@ pub fn print(reproduction: &Reproduction, out: &mut Stdout) -> Result<()> {
             out.line(format_args!("    left open: {open}"))?;
         }
     }
-    out.line("")?;
-    out.line("What differs, and why")?;
-    out.line("")?;
-    for (what, why) in page::differences(reproduction) {
+    let differences = page::differences(reproduction);
+    if !differences.is_empty() {
+        out.line("")?;
+        out.line("What differs, and why")?;
+        out.line("")?;
+    }
+    for (what, why) in differences {
         out.line(format_args!("{what} {why}"))?;
     }
     Ok(())
@@ -95,6 +98,9 @@ impl Folder {
     pub fn create(path: &Path) -> Result<Self> {
         std::fs::create_dir_all(path)
             .with_context(|| format!("{}: the folder cannot be made", path.display()))?;
+        for bars in bars::ALL {
+            OutFile::check(&path.join(bars.file).with_extension("svg"))?;
+        }
         Ok(Self { path: path.to_owned(), page: OutFile::check(&path.join("index.html"))? })
     }
 
@@ -104,7 +110,7 @@ impl Folder {
     /// If a file cannot be written.
     pub fn write(&self, reproduction: &Reproduction) -> Result<PathBuf> {
         for graph in &reproduction.figure3 {
-            let file = |kind| OutFile::check(&self.path.join(format!("figure3-{}.{kind}", graph.name)));
+            let file = |kind| OutFile::check(&self.path.join(format!("{}.{kind}", plot::file(graph))));
             file("svg")?.write(|out| Ok(out.write_all(plot::svg(graph).as_bytes())?))?;
             file("csv")?.write(|out| Ok(out.write_all(csv(graph).as_bytes())?))?;
         }

@@ -88,16 +88,18 @@ pub fn html(report: &Reproduction) -> String {
         let _ = write!(
             graphs,
             "<figure>\n<div class=\"scroll\">{}</div>\n<figcaption>{}, {} of on-board memory, {frames} \
-             (<a href=\"figure3-{1}.csv\">CSV</a>, <a href=\"figure3-{1}.svg\">SVG</a>)</figcaption>\n</figure>\n",
+             (<a href=\"{3}.csv\">CSV</a>, <a href=\"{3}.svg\">SVG</a>)</figcaption>\n</figure>\n",
             plot::svg(graph),
             escaped(&graph.name),
             Size(Bytes(graph.memory_bytes)),
+            plot::file(graph),
         );
     }
     let note = match report.extent {
-        Extent::Quick => QUICK_NOTE,
-        Extent::Some => SOME_NOTE,
-        Extent::All => "",
+        Extent::Quick if tables::skips_frames(report) => QUICK_NOTE,
+        Extent::Quick => SMALL_NOTE,
+        Extent::Some if tables::skips_frames(report) => SOME_NOTE,
+        Extent::Some | Extent::All => "",
     };
     let mut why = String::new();
     for (what, because) in differences(report) {
@@ -133,8 +135,10 @@ pub fn html(report: &Reproduction) -> String {
     )
 }
 
-const CLAIMS_TEXT: &str = "<p>A claim is judged by runs. Its cause is a run in which one thing is changed: the same figure, as the \
-    geometric mean over the rows that it was taken of, with and without. Below the table stand the numbers place by place.</p>\n";
+const CLAIMS_TEXT: &str = "<p>A claim is judged by runs. Its cause is the same figure where one thing is changed, mostly another run \
+    of the chip: as the geometric mean, with and without, over the rows in which it is not zero (where it is in all, as the plain \
+    mean). What is computed from a formula or taken of other frames of a walk says so. Below the table stand the numbers place by \
+    place.</p>\n";
 
 const WALKS_TEXT: &str = "<p>Step one of §4: a sequential ray tracer with the virtual memory and without first-level caches. The \
     working set is the distinct lines that a frame touches; transferred is what it loads from the host; a collision is the load of \
@@ -147,8 +151,8 @@ fn chip_text(warm_up: WarmUp) -> String {
         frames => format!("after {frames} frames that warm the caches"),
     };
     format!(
-        "<p>Step two of §4: the hot spots of the walks on the whole chip, cycle by cycle, {warmed}; both in the order of their \
-         frames, and the same frames for all variants of a scene. PCI is what a frame loads from the host, Mem what moves \
+        "<p>Step two of §4: the hot spots of the walks on the whole chip, cycle by cycle, {warmed} (the first frame of a path has \
+         none before it, and finds them empty); both in the order of their frames, and the same frames for all variants of a scene. PCI is what a frame loads from the host, Mem what moves \
          between the chip and the on-board memory.</p>\n"
     )
 }
@@ -158,6 +162,10 @@ const QUICK_NOTE: &str = "<p class=\"note\"><strong>Quick form.</strong> The pic
     more is read a ray than at full size; and from one frame shown to the next the camera moves further, so more \
     is transferred a frame than in a walk of all frames. Run without <code>--quick</code> for the paper's \
     measurement.</p>\n";
+
+const SMALL_NOTE: &str = "<p class=\"note\"><strong>Quick form.</strong> The pictures are small. Fewer rays touch fewer lines and \
+    share less of what they read, so working sets are smaller and more is read a ray than at full size. Run without \
+    <code>--quick</code> for the paper's measurement.</p>\n";
 
 const SOME_NOTE: &str = "<p class=\"note\"><strong>Some frames.</strong> The walks skip frames. From one frame \
     shown to the next the camera moves further, so more is transferred a frame than in a walk of all frames; run \

@@ -37,13 +37,19 @@ pub fn svg(graph: &Graph) -> String {
         .with_theme(theme());
     let scene = render_multiple(plots, layout);
     let peak = graph.frames.iter().map(|row| row.working_set_bytes).max().unwrap_or(0);
-    let title = format!("{} with {} MB of on-board memory", graph.name, graph.memory_bytes / MB);
+    let title = format!("{} with {} MB of on-board memory", graph.name, mb(graph.memory_bytes));
     let description = format!(
         "Working set, memory transferred and collisions of each frame. The largest working set is {} MB.",
         mb(peak)
     );
     let drawn = SvgBackend::new().render_scene(&scene);
-    accessible(&drawn, &graph.name, &title, &description, (scene.width, scene.height))
+    accessible(&drawn, &file(graph), &title, &description, (scene.width, scene.height))
+}
+
+/// The name of a graph's files, without the ending: of letters, digits and what needs no quotes in a link or an attribute.
+pub fn file(graph: &Graph) -> String {
+    let plain = |letter: char| if letter.is_alphanumeric() || "-_.".contains(letter) { letter } else { '-' };
+    format!("figure3-{}", graph.name.chars().map(plain).collect::<String>())
 }
 
 fn curve(graph: &Graph, (name, colour, style, bytes): Series, line: u64) -> Plot {

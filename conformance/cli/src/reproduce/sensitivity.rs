@@ -25,6 +25,7 @@ pub fn run(
     json: bool,
     progress: &Progress,
 ) -> Result<()> {
+    options.check()?;
     fs::create_dir_all(folder).with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
     let result = OutFile::check(&folder.join("sensitivity.json"))?;
     let path = folder.join("sensitivity.jsonl");
@@ -65,6 +66,9 @@ pub fn run(
     out.finish()
 }
 
+/// How a row begins.
+const BEGIN: &str = "{\"defaults\":\"";
+
 /// What the file has, and the file to go on with. A line that was not written to its end is dropped.
 fn open(path: &Path) -> Result<(Vec<Measured>, File)> {
     let shown = path.display();
@@ -75,12 +79,13 @@ fn open(path: &Path) -> Result<(Vec<Measured>, File)> {
     };
     let whole = text.rfind('\n').map_or(0, |end| end + 1);
     ensure!(
-        text[whole..].is_empty() || text[whole..].starts_with('{'),
+        // A row begins with its first key, however early it was cut off.
+        text[whole..].starts_with(BEGIN) || BEGIN.starts_with(&text[whole..]),
         "{shown}: holds something else; name another folder"
     );
     let lines = text[..whole].lines().enumerate().map(|(place, line)| {
-        serde_json::from_str(line)
-            .with_context(|| format!("{shown}: line {}: no measured row; name another folder", place + 1))
+        let row = serde_json::from_str::<Measured>(line).ok().filter(Measured::is_possible);
+        row.with_context(|| format!("{shown}: line {}: no measured row; name another folder", place + 1))
     });
     let known = lines.collect::<Result<Vec<Measured>>>()?;
     let file = File::options().create(true).append(true).open(path);
@@ -136,6 +141,9 @@ fn print(sensitivity: &Sensitivity, out: &mut Stdout) -> Result<()> {
     }
     out.line(table)?;
     out.line("")?;
+    if strongest.is_empty() {
+        return Ok(());
+    }
     out.line(format_args!("the strongest numbers: {}", strongest[..strongest.len().min(4)].join(", ")))
 }
 

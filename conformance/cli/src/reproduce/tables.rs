@@ -8,7 +8,7 @@ use saarcor_paper::claims::Claim;
 use saarcor_paper::figure3::Graph;
 use saarcor_paper::figure3::MemoryRow;
 use saarcor_paper::fit::{Fits, Relation};
-use saarcor_paper::reproduction::{Extent, Reproduction};
+use saarcor_paper::reproduction::Reproduction;
 use saarcor_paper::table1::SceneRow;
 use saarcor_paper::table2::{Alternative, HotSpot, Shape};
 use saarcor_paper::tables::{MB, VirtualRun, in_mb, mb};
@@ -27,15 +27,19 @@ pub fn sections(report: &Reproduction) -> [Captioned; 4] {
         captioned("Table 1: the scenes, ours beside the paper's", table1_beside(&report.table1)),
         captioned("Bytes a triangle, ours by region of the image", bytes_a_triangle(&report.table1)),
     ];
-    let memories = (!report.memories.is_empty())
-        .then(|| captioned("The walk with other sizes of on-board memory", memory_table(&report.memories)));
+    let memories = (!report.memories.is_empty()).then(|| {
+        let caption = "The walk with other sizes of on-board memory, without first-level caches: what the first frame loads, which \
+                       finds the memory empty, and what the others load";
+        captioned(caption, memory_table(&report.memories))
+    });
     let extremes = (
         format!("Figure 3: extremes and hot spots of the walks ({})", how(report)),
         extremes(&report.figure3),
     );
     let fit = report.fit.as_ref().map(|fit| {
         let caption =
-            "How far the relations A / no VM, B / no VM and Mem B / A are off, by the geometric mean";
+            "How far the relations A / no VM, B / no VM and (where the paper's version A moves 0.6 MB or more) Mem B / A are off, by \
+             the geometric mean";
         captioned(caption, fit_table(fit))
     });
     let with_cuts = (!report.cuts.is_empty()).then(|| {
@@ -46,7 +50,12 @@ pub fn sections(report: &Reproduction) -> [Captioned; 4] {
         "Hot spots with other lines, fewer ways and without hash (versions A and B)",
         line_table(&report.table2),
     );
-    let chip = table2_tables(&report.table2).into_iter().chain(fit).chain(with_cuts);
+    // A scene of the user's stands in no row of the paper.
+    let printed = |(caption, table): (String, Table)| match report.scene {
+        None => (caption, table),
+        Some(_) => (caption, table.without_blank_columns()),
+    };
+    let chip = table2_tables(&report.table2).into_iter().chain(fit).chain(with_cuts).map(printed);
     [
         metadata.into_iter().collect(),
         if report.scene.is_none() { scenes.into() } else { Vec::new() },
@@ -166,30 +175,42 @@ fn memory_table(rows: &[MemoryRow]) -> Table {
         "on-board MB",
         "frames",
         "working set fits",
-        "loaded MB a frame",
+        "loaded MB: first frame",
+        "others, a frame",
         "most",
         "collisions a frame",
         "frames a second that the bus allows",
     ];
     let mut table = Table::new(numbers.map(Column::number));
+    let none = || "–".to_owned();
     for row in rows {
         table.row([
             mb(row.memory_bytes),
             row.frames.to_string(),
             row.frames_that_fit.to_string(),
-            format!("{:.2}", row.loaded_bytes_a_frame / MB as f64),
-            mb(row.most_loaded_bytes),
-            format!("{:.0}", row.collisions_a_frame),
-            row.bus_fps.map_or_else(|| "any".to_owned(), |fps| format!("{fps:.0}")),
+            mb(row.first_loaded_bytes),
+            row.loaded_bytes_a_frame.map_or_else(none, |bytes| format!("{:.2}", bytes / MB as f64)),
+            row.most_loaded_bytes.map_or_else(none, mb),
+            row.collisions_a_frame.map_or_else(none, |collisions| format!("{collisions:.0}")),
+            match (row.bus_fps, row.loaded_bytes_a_frame) {
+                (Some(fps), _) => format!("{fps:.0}"),
+                (None, Some(_)) => "any".to_owned(),
+                (None, None) => none(),
+            },
         ]);
     }
     table
 }
 
+/// Whether a walk leaves frames out.
+pub fn skips_frames(report: &Reproduction) -> bool {
+    report.figure3.iter().any(|graph| graph.step > 1)
+}
+
 /// How the walks were made.
 fn how(report: &Reproduction) -> String {
     let (width, height) = report.resolution;
-    let frames = if report.extent == Extent::All { "all frames" } else { "some frames" };
+    let frames = if skips_frames(report) { "some frames" } else { "all frames" };
     format!("{width} × {height} pixels, {frames}")
 }
 

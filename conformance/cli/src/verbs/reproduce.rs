@@ -1,7 +1,7 @@
 //! `saarcor reproduce`.
 
 use crate::args::SceneName;
-use crate::limits::check_state;
+use crate::limits::{check_state, check_walk};
 use crate::output::{Stdout, json_line};
 use crate::progress::{Progress, Remaining};
 use crate::reproduce::{Folder, print, sensitivity};
@@ -10,6 +10,7 @@ use anyhow::Result;
 use clap::builder::PossibleValuesParser;
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry};
 use saarcor_paper::MB;
+use saarcor_paper::alternatives::most_chips;
 use saarcor_paper::reproduction::{Extent, OwnScene, Reproduction, ReproductionOptions};
 use saarcor_paper::sensitivity::{NUMBERS, Options, Setting};
 use saarcor_studies::sampling::plan::SampleFraction;
@@ -36,10 +37,10 @@ pub struct Args {
     #[arg(long, value_name = "FILE.obj", conflicts_with_all = ["scenes", "sensitivity"])]
     scene: Option<SceneName>,
     /// The camera's path, in place of the camera.csv beside the scene
-    #[arg(long, value_name = "FILE.csv", requires = "scene")]
+    #[arg(long, value_name = "FILE.csv", requires = "scene", conflicts_with_all = ["scenes", "sensitivity"])]
     path: Option<PathBuf>,
-    /// On-board memory of the scene [default: 8MiB]
-    #[arg(long, value_name = "SIZE", requires = "scene")]
+    /// On-board memory of the scene [default: the paper's for a built-in scene, else 8MiB]
+    #[arg(long, value_name = "SIZE", requires = "scene", conflicts_with_all = ["scenes", "sensitivity"])]
     memory: Option<Size>,
     /// Each hot spot begins with what the N frames before left in the caches, or with "walk" all frames before: hours
     #[arg(long, value_name = "N|walk", default_value_t = WarmUp::ONE, conflicts_with = "sensitivity")]
@@ -48,17 +49,18 @@ pub struct Args {
     /// stopped
     ///
     /// The folder gets sensitivity.jsonl, by which a run goes on, sensitivity.json with the result, and a tornado (SVG) of
-    /// A / no VM, B / no VM, Mem and PCI.
+    /// A / no VM, B / no VM, Mem and PCI. What it holds of a row is taken over by the scene's name: other files of the real scenes
+    /// need another folder.
     #[arg(long, conflicts_with = "all_frames")]
     sensitivity: bool,
     /// Varies these numbers alone, and no pairs
-    #[arg(long, value_name = "NAME,...", requires = "sensitivity", value_delimiter = ',', value_parser = numbers())]
+    #[arg(long, value_name = "NAME,...", requires = "sensitivity", conflicts_with = "scene", value_delimiter = ',', value_parser = numbers())]
     over: Vec<String>,
     /// Several values at a time, such as "granule=16 B,banks=8"; may be given more than once
-    #[arg(long, value_name = "SETTING", requires = "sensitivity")]
+    #[arg(long, value_name = "SETTING", requires = "sensitivity", conflicts_with = "scene")]
     combine: Vec<Setting>,
     /// Measures a part of the rows, such as 1/4, evenly drawn from all; a later run without it goes on from there
-    #[arg(long, value_name = "F", requires = "sensitivity")]
+    #[arg(long, value_name = "F", requires = "sensitivity", conflicts_with = "scene")]
     sample: Option<SampleFraction>,
     /// Prints all figures as one JSON object
     #[arg(long)]
@@ -116,6 +118,8 @@ impl Args {
             check_state(cache, Bytes(0))?;
             Ok(cache)
         };
+        // The chips on which a hot spot is simulated are warmed side by side.
+        check_walk(&vec![with(memory)?; most_chips()], Bytes(0))?;
         let mut memories: Vec<u64> = MEMORIES.map(|mb| mb * MB).into_iter().chain([memory.0]).collect();
         memories.sort_unstable();
         memories.dedup();

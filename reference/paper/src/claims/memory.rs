@@ -1,6 +1,6 @@
 //! Claims of §2 and §3: metadata, lines, ways and hash, and the caches of the chip.
 
-use super::{Cause, Claim, Evidence, Holds, cause, mean, ranges};
+use super::{Cause, Claim, Evidence, Holds, NOTHING, cause, mean, ranges, ratio, times};
 use crate::alternatives::{
     EIGHT_THREADS, LINES, NO_FIRST_LEVEL, ONE_THREAD, SMALL_METADATA_CACHE, lines, ways,
 };
@@ -84,6 +84,11 @@ fn longest(slowdowns: &[(u64, f64)]) -> u64 {
     slowdowns.iter().filter(|(_, slowdown)| *slowdown <= WORTH).map(|(line, _)| *line).max().unwrap_or(0)
 }
 
+/// What lines of a size cost against the best of each frame, in percent.
+fn cost(slowdowns: &[(u64, f64)], line: u64) -> Option<f64> {
+    slowdowns.iter().find(|(size, _)| *size == line).map(|(_, slowdown)| (slowdown - 1.0) * 100.0)
+}
+
 fn best_line(spots: &[HotSpot]) -> Claim {
     let (a, b) = (slowdowns(spots, Version::A), slowdowns(spots, Version::B));
     let both: Vec<(u64, f64)> = a.iter().zip(&b).map(|((line, a), (_, b))| (*line, (a * b).sqrt())).collect();
@@ -104,11 +109,11 @@ fn best_line(spots: &[HotSpot]) -> Claim {
         paper: format!("{standard} B"),
         ours: format!("{} B; fastest on the mean of A and B: {} B", longest(&a), least(&both)),
         verdict: Holds::of([longest(&a) == standard]),
-        cause: (!b.is_empty()).then(|| Cause {
+        cause: cost(&a, standard).zip(cost(&b, standard)).map(|(standard, with_setting)| Cause {
             setting: "version B in place of A".to_owned(),
-            figure: "longest line that costs less than 2 %, in bytes".to_owned(),
-            standard: longest(&a) as f64,
-            with_setting: longest(&b) as f64,
+            figure: "percent that 128 B cost against each frame's best line".to_owned(),
+            standard,
+            with_setting,
         }),
         numbers: vec![list("version A", &a), list("version B", &b), list("both alike", &both)],
         admitted: Vec::new(),
@@ -153,8 +158,10 @@ fn ways_and_hash(spots: &[HotSpot]) -> Claim {
             Some((spot, standard, others))
         })
     };
+    // Where all load the same, none works better.
     let least = |(_, standard, others): (_, &TimingRow, Vec<&Alternative>)| {
-        others.iter().all(|other| standard.pci_bytes <= other.run.pci_bytes)
+        let differ = others.iter().any(|other| standard.pci_bytes != other.run.pci_bytes);
+        differ.then(|| others.iter().all(|other| standard.pci_bytes <= other.run.pci_bytes))
     };
     let numbers = frames().map(|(spot, standard, others)| {
         let each: Vec<_> =
@@ -168,12 +175,14 @@ fn ways_and_hash(spots: &[HotSpot]) -> Claim {
     Claim {
         id: "ways-and-hash",
         section: "§3",
-        claim: "4 ways and the hash work extremely well: they load the least, against 1, 2 and 4 ways with and without the hash.",
+        claim: "4 ways and the hash work extremely well: they load the least, against 1, 2 and 4 ways with and without the hash. \
+                Frames that load the same with all of them are not judged.",
         paper: "no figure".to_owned(),
-        ours: cause.as_ref().map_or_else(String::new, |cause| {
-            format!("{:.2} times as many bytes with one way and no hash", cause.with_setting / cause.standard)
-        }),
-        verdict: Holds::of(frames().map(least)),
+        ours: cause.as_ref().and_then(|cause| ratio(cause.with_setting, cause.standard)).map_or_else(
+            || NOTHING.to_owned(),
+            |more| format!("{more:.2} times as many bytes with one way and no hash"),
+        ),
+        verdict: Holds::of(frames().filter_map(least)),
         cause,
         numbers: numbers.collect(),
         admitted: Vec::new(),
@@ -228,13 +237,13 @@ fn metadata_cache(spots: &[HotSpot]) -> Claim {
         let small = spot.with(SMALL_METADATA_CACHE, Version::B)?;
         Some((in_mb(spot.version_b.mem_bytes_metadata), in_mb(small.mem_bytes_metadata)))
     };
-    let more = |spot: &HotSpot| bytes(spot).filter(|both| both.0 > 0.0).map(|both| both.1 / both.0);
+    let more = |spot: &HotSpot| bytes(spot).and_then(|(standard, small)| ratio(small, standard));
     Claim {
         id: "metadata-cache",
         section: "§3",
         claim: "The small metadata cache saves latency and bandwidth: one of a single set moves more than twice the metadata.",
         paper: "no figure; a few KB, §4 takes 64 KB".to_owned(),
-        ours: format!("{} times the bytes", ranges(spots, more).join("; ")),
+        ours: times(&ranges(spots, more), "the bytes"),
         verdict: Holds::of(spots.iter().filter_map(more).map(|more| more > 2.0)),
         cause: cause(SMALL_METADATA_CACHE, "MB of metadata a frame", spots, bytes),
         numbers: ranges(spots, |spot| {
@@ -252,14 +261,14 @@ fn two_levels(spots: &[HotSpot]) -> Claim {
     let bytes = |spot: &HotSpot| {
         Some((in_mb(spot.version_a.mem_bytes), in_mb(spot.with(NO_FIRST_LEVEL, Version::A)?.mem_bytes)))
     };
-    let more = |spot: &HotSpot| bytes(spot).map(|(both, one)| one / both.max(f64::MIN_POSITIVE));
+    let more = |spot: &HotSpot| bytes(spot).and_then(|(both, one)| ratio(one, both));
     Claim {
         id: "two-levels",
         section: "§4",
         claim: "Two levels of caches save external bandwidth: without the first, more than twice as many bytes move to and from the \
                 on-board memory.",
         paper: "no figure".to_owned(),
-        ours: format!("{} times the bytes", ranges(spots, more).join("; ")),
+        ours: times(&ranges(spots, more), "the bytes"),
         verdict: Holds::of(spots.iter().filter_map(more).map(|more| more > 2.0)),
         cause: cause(NO_FIRST_LEVEL, "MB to and from the on-board memory a frame", spots, bytes),
         numbers: Vec::new(),

@@ -26,6 +26,8 @@ pub enum Holds {
     DoesNot,
     /// The paper does not say what its figure counts.
     NotComparable,
+    /// Nothing that was run tells.
+    CannotTell,
 }
 
 impl Holds {
@@ -36,7 +38,8 @@ impl Holds {
         match (some, all) {
             (true, true) => Self::Holds,
             (true, false) => Self::InPart,
-            (false, _) => Self::DoesNot,
+            (false, false) => Self::DoesNot,
+            (false, true) => Self::CannotTell,
         }
     }
 }
@@ -48,6 +51,7 @@ impl fmt::Display for Holds {
             Self::InPart => "holds in part",
             Self::DoesNot => "does not hold here",
             Self::NotComparable => "not comparable",
+            Self::CannotTell => "cannot be told here",
         })
     }
 }
@@ -161,7 +165,20 @@ impl Claim {
     }
 }
 
-/// A range of values.
+/// What stands in the place of a figure that there is none of.
+const NOTHING: &str = "–";
+
+/// Ranges of ratios in words.
+fn times(ranges: &[String], what: &str) -> String {
+    if ranges.is_empty() { NOTHING.to_owned() } else { format!("{} times {what}", ranges.join("; ")) }
+}
+
+/// How many times `of` a number is; none of nothing.
+fn ratio(number: f64, of: f64) -> Option<f64> {
+    (of > 0.0).then(|| number / of)
+}
+
+/// A range of values; of none if its least is more than its most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Range {
     least: f64,
@@ -182,14 +199,13 @@ impl Range {
         let quarter = |end: f64| (end - 1.0).abs() / 4.0;
         Self { least: self.least - quarter(self.least), most: self.most + quarter(self.most) }
     }
-
-    fn has(self, value: f64) -> bool {
-        (self.least..=self.most).contains(&value)
-    }
 }
 
 impl fmt::Display for Range {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.least > self.most {
+            return f.write_str(NOTHING);
+        }
         let (least, most) = (format!("{:.2}", self.least), format!("{:.2}", self.most));
         if least == most { f.write_str(&least) } else { write!(f, "{least} to {most}") }
     }
@@ -250,7 +266,7 @@ mod tests {
         assert_eq!(Holds::of([true, true]), Holds::Holds);
         assert_eq!(Holds::of([true, false]), Holds::InPart);
         assert_eq!(Holds::of([false]), Holds::DoesNot);
-        assert_eq!(Holds::of([]), Holds::DoesNot, "of nothing, nothing is shown");
+        assert_eq!(Holds::of([]), Holds::CannotTell, "of nothing, nothing is shown");
     }
 
     #[test]

@@ -162,6 +162,12 @@ pub struct Measured {
 }
 
 impl Measured {
+    /// Whether the numbers can have been measured: frames take time, and move bytes.
+    #[must_use]
+    pub fn is_possible(&self) -> bool {
+        self.fps.iter().all(|fps| fps.is_finite() && *fps > 0.0)
+    }
+
     /// Whether it is of the pictures of `extent`, by the defaults of this program.
     pub(super) fn is_of(&self, extent: Extent) -> bool {
         self.resolution == extent.trace().resolution && self.defaults == defaults()
@@ -211,6 +217,16 @@ pub struct Options {
 }
 
 impl Options {
+    /// Checks that there are rows to measure.
+    ///
+    /// # Errors
+    /// If the sample draws none, or the real scenes are not in their folder.
+    pub fn check(&self) -> Result<(), ReproductionError> {
+        let is_any = !self.drawn()?.is_empty();
+        let none = || Ok(ReproductionError::NoRows { sample: self.sample.to_string(), all: self.rows()? });
+        if is_any { Ok(()) } else { none().and_then(Err) }
+    }
+
     /// All rows.
     pub(super) fn rows(&self) -> Result<usize, ReproductionError> {
         let sections = Section::all(self.scenes.as_deref())?;
@@ -242,6 +258,7 @@ pub fn measure(
 ) -> Result<(), ReproductionError> {
     let sections = Section::all(options.scenes.as_deref())?;
     let rows = rows_in(&sections, options.sample);
+    let families: BTreeSet<(&str, bool)> = rows.iter().map(|(section, _)| section.family()).collect();
     let is_left = |section: &Section| rows.iter().any(|(other, _)| std::ptr::eq(*other, section));
     let mut frames_of: BTreeMap<(&str, bool), Vec<usize>> = BTreeMap::new();
     let all: f64 = sections
@@ -250,7 +267,8 @@ pub fn measure(
         .map(|section| section.seconds(options.extent))
         .sum();
     let mut done = 0.0;
-    for section in &sections {
+    // A family of which no row is drawn needs no walk.
+    for section in sections.iter().filter(|section| families.contains(&section.family())) {
         let of_section = rows.iter().filter(|(other, _)| std::ptr::eq(*other, section));
         let rows: Vec<(usize, &Table2Row)> = of_section.map(|(_, row)| *row).collect();
         let work = SectionWork { section, rows: &rows, options, settings, monitor };
