@@ -138,6 +138,12 @@ impl SceneName {
         }
     }
 
+    /// The name as a path.
+    #[must_use]
+    pub fn path(&self) -> PathBuf {
+        PathBuf::from(&self.0)
+    }
+
     /// The name as text; what is none is replaced.
     #[must_use]
     pub fn text(&self) -> Cow<'_, str> {

@@ -4,8 +4,9 @@ use crate::size::Size;
 use anyhow::{Result, ensure};
 use saarcor_model::vm::{Bytes, CacheConfig, Set};
 
-/// Bits that a walk keeps for each line of the host: whether the frame has touched it, and whether it has evicted it.
-const HISTORY_BITS: u64 = 2;
+/// Bits that a walk keeps for each line of the host: whether the frame has touched it, whether it has evicted it, and whether
+/// it is resident.
+const HISTORY_BITS: u64 = 3;
 
 /// Most memory that the state of a simulation may take.
 const MAX_STATE: Bytes = Bytes(4 << 30);

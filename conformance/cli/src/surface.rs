@@ -60,6 +60,12 @@ fn columns(loaded: &[Loaded]) -> Vec<Bytes> {
     sizes
 }
 
+/// So many frames in words.
+#[must_use]
+pub fn frames_in_words(frames: usize) -> String {
+    if frames == 1 { "1 frame".to_owned() } else { format!("{frames} frames") }
+}
+
 /// The table, in MB.
 #[must_use]
 pub fn table(loaded: &[Loaded]) -> Table {
@@ -82,6 +88,7 @@ pub fn svg(loaded: &[Loaded], scene: &str, frames: usize) -> Result<String> {
         .map(megabytes)
         .fold((f64::INFINITY, 0.0_f64), |(least, most), loaded| (least.min(loaded), most.max(loaded)));
     ensure!(least > 0.0, "--svg: nothing is loaded");
+    let frames = frames_in_words(frames);
     // The colour is chosen by where a value lies between the least and the most.
     let colour = move |place: f64| {
         let value = least + place * (most - least);
@@ -104,7 +111,7 @@ pub fn svg(loaded: &[Loaded], scene: &str, frames: usize) -> Result<String> {
         ..Theme::light()
     };
     let layout = Layout::auto_from_plots(&plots)
-        .with_title(format!("{scene}: MB loaded from the host by {frames} frames"))
+        .with_title(format!("{scene}: MB loaded from the host by {frames}"))
         .with_width(760.0)
         .with_height(120.0 + 24.0 * rows.len() as f64)
         .with_x_label("on-board memory")
@@ -114,7 +121,7 @@ pub fn svg(loaded: &[Loaded], scene: &str, frames: usize) -> Result<String> {
         .with_theme(ground);
     let drawn = render_multiple(plots, layout);
     let description = format!(
-        "MB loaded from the host by {frames} frames, over the size of the on-board memory, the line and the ways: \
+        "MB loaded from the host by {frames}, over the size of the on-board memory, the line and the ways: \
          from {least:.2} to {most:.2}."
     );
     let drawing = SvgBackend::new().render_scene(&drawn);

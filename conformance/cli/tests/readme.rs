@@ -56,6 +56,7 @@ const COMMANDS: &[(&str, How)] = &[
     ("saarcor scenes", Here("", 0)),
     ("saarcor render path/to/scene.obj -o picture.png", Here("--resolution 64x48", 0)),
     ("saarcor walk pquake3 --frames 140..150", Here("--resolution 64x48", 0)),
+    ("saarcor walk pquake3 --frames 140..150 --all --svg sizes.svg", Here("--resolution 64x48", 0)),
     ("saarcor simulate conference --frame 0 --variant b", Here("--resolution 64x48", 0)),
     (
         "saarcor sweep conference --frame 0 --over line --over ways=1,4 -o rows.jsonl",

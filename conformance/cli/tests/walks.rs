@@ -2,11 +2,13 @@
 
 mod common;
 
-use common::{refusal_of, room_arg, stdout_of};
+use common::{refusal_of, room_arg, saarcor, stdout_of};
 use saarcor_model::time::standard::POLICY;
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, HostAddr};
 use saarcor_oracles::cache::NaiveCache;
 use serde_json::Value;
+use std::io::Write as _;
+use std::process::Stdio;
 
 /// Sizes of the pictures: each test takes a moment.
 const SMALL: [&str; 2] = ["--resolution", "64x48"];
@@ -253,6 +255,59 @@ fn traces_hold_all_accesses_in_order() {
     let counters = cache.counters();
     assert_eq!(counters.accesses, number(row, "accesses"));
     assert_eq!((counters.hits(), counters.misses), (number(row, "hits"), number(row, "misses")));
+}
+
+/// A recorded frame, played from a file or from standard input, does what the walk counted, in one virtual memory and in many.
+#[test]
+fn recorded_accesses_are_walked_through_like_frames() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let of_frame = &walk(&[&TIGHT[..], &["--cold", "--frames", "1..2"]].concat())[0];
+    for format in ["din", "csv"] {
+        let file = folder.path().join("frames").with_extension(format).display().to_string();
+        let args = ["trace", "record", &room_arg(), "--frame", "1", "--format", format];
+        let recorded = stdout_of(&[&args[..], &SMALL, &TIGHT].concat());
+        let again = recorded.lines().filter(|line| *line != "address").collect::<Vec<_>>().join("\n");
+        std::fs::write(&file, format!("{recorded}# the same frame\n{again}\n#\n")).expect("written");
+        let played = |more: &[&str]| -> Vec<Value> {
+            let out = stdout_of(&[&["walk", "--trace", &file, "--json"], more].concat());
+            out.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+        };
+        let rows = played(&[&TIGHT[..], &["--cold"]].concat());
+        assert_eq!(rows.len(), 2, "frames");
+        let counts =
+            ["accesses", "hits", "misses", "working_set_lines", "collisions", "loaded_bytes", "memory_bytes"];
+        for (frame, row) in rows.iter().enumerate() {
+            assert_eq!(number(row, "frame"), frame as u64);
+            counts.iter().for_each(|count| assert_eq!(row[count], of_frame[count], "{format}: {count}"));
+        }
+        let all = played(&["--all", "--cold", "--memory", "2KiB..=64KiB", "--line", "64", "--ways", "1..=4"]);
+        assert_eq!(all.len(), 2 * 6 * 3);
+        assert!(all.contains(&rows[1]), "that of one is among all");
+    }
+    let mut playing = saarcor(&["walk", "--trace", "-", "--json", "--memory", "1KiB", "--line", "64"]);
+    let mut playing = playing.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("it starts");
+    playing.stdin.take().expect("a pipe").write_all(b"0 0\n0 40\n0 0\n").expect("written");
+    let out = String::from_utf8(playing.wait_with_output().expect("an end").stdout).expect("text");
+    let row: Value = serde_json::from_str(&out).expect("JSON");
+    assert_eq!((number(&row, "hits"), number(&row, "misses")), (1, 2));
+}
+
+#[test]
+fn traces_that_are_none_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("trace.din").display().to_string();
+    for (text, right) in [
+        ("0 0\nread 40\n", "line 2: 'read 40': write '0 ADDRESS'"),
+        ("0 100000000\n", "line 1: '0 100000000': an address has 32 bits"),
+        ("", "no accesses"),
+    ] {
+        std::fs::write(&file, text).expect("written");
+        let says = refusal_of(&["walk", "--trace", &file, "--all", "--json", "--memory", "8MiB"]);
+        assert!(says.contains(&file) && says.contains(right), "{text}: {says}");
+    }
+    assert!(refusal_of(&["walk", "--trace", "none.din"]).contains("none.din: cannot be read"));
+    assert!(refusal_of(&["walk", "--trace", &file, "--frames", "0..1"]).contains("--frames"));
+    assert!(refusal_of(&["walk", "--trace", &file, "--memory", "3MiB"]).contains("power of two"));
 }
 
 /// The committed trace is that of a frame, and a walk counts what pycachesim made of it.

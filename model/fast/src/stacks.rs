@@ -86,3 +86,14 @@ impl Stacks {
         self.held.fill(0);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[should_panic(expected = "at least one way")]
+    fn no_stack_is_without_room() {
+        let _ = Stacks::new(Hash::Low, 0, 0);
+    }
+}

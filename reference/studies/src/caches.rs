@@ -181,6 +181,7 @@ impl ForWays for NewCache {
         let Self { index, config, lines } = self;
         Box::new(OneCache::<WAYS> {
             directory: Directory::new(config),
+            resident: (config.policy == Policy::Fifo).then(|| FixedBitSet::with_capacity(lines)),
             evicted: FixedBitSet::with_capacity(lines),
             loads: Loads { index, loaded: 0, collisions: 0 },
         })
@@ -190,6 +191,8 @@ impl ForWays for NewCache {
 /// One cache by itself.
 struct OneCache<const WAYS: usize> {
     directory: Directory<WAYS>,
+    /// With FIFO, the resident lines: to use one of them changes nothing.
+    resident: Option<FixedBitSet>,
     /// The lines that the frame has evicted.
     evicted: FixedBitSet,
     loads: Loads,
@@ -201,17 +204,25 @@ impl<const WAYS: usize> Played for OneCache<WAYS> {
         (self.loads.loaded, self.loads.collisions) = (0, 0);
         if cold {
             self.directory.flush();
+            self.resident.iter_mut().for_each(FixedBitSet::clear);
         }
     }
 
     fn play(&mut self, uses: &[Use]) {
         for &Use { line, .. } in uses {
+            if self.resident.as_ref().is_some_and(|resident| resident.contains(line.0 as usize)) {
+                continue;
+            }
             if let Outcome::Miss { evicted, .. } = directory::access(&mut self.directory, line) {
                 self.loads.loaded += 1;
                 // It lay in the cache at some time of this frame if it was evicted in it.
                 self.loads.collisions += u64::from(self.evicted.contains(line.0 as usize));
                 if let Some(evicted) = evicted {
                     self.evicted.insert(evicted.0 as usize);
+                }
+                if let Some(resident) = &mut self.resident {
+                    resident.insert(line.0 as usize);
+                    evicted.into_iter().for_each(|evicted| resident.remove(evicted.0 as usize));
                 }
             }
         }

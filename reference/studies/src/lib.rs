@@ -31,6 +31,7 @@
 //! | [`summary`] | the features that a scene needs, and the bytes of its image |
 //! | [`picture`] | a frame through any memory |
 //! | [`caches`] | virtual memories of any sizes that see the same reads |
+//! | [`recorded`] | accesses that somebody recorded, played to them |
 //! | [`walk`] | step one of §4: the traffic of a walk through a scene |
 //! | [`hot_spots`] | the frames of a walk that are simulated on the chip |
 //! | [`simulate`] | step two of §4: a frame on the chip, cycle by cycle |
@@ -55,6 +56,7 @@ pub mod metadata;
 pub mod monitor;
 pub mod names;
 pub mod picture;
+pub mod recorded;
 pub mod sampling;
 pub mod simulate;
 pub mod standard;

@@ -61,6 +61,27 @@ pub struct FrameRow {
     pub loaded_bytes: u64,
 }
 
+impl FrameRow {
+    /// The row of a frame with these rays, in whose virtual memory, of lines of `line` bytes, this happened.
+    #[must_use]
+    pub fn new(frame: u64, rays: RayCounts, counts: FrameCounts, line: Bytes) -> Self {
+        Self {
+            frame,
+            primary_rays: rays.primary,
+            shadow_rays: rays.shadow,
+            secondary_rays: rays.secondary,
+            accesses: counts.accesses,
+            hits: counts.accesses - counts.loaded,
+            misses: counts.loaded,
+            working_set_lines: counts.working_set,
+            working_set_bytes: counts.working_set * line.0,
+            collisions: counts.collisions,
+            loaded_lines: counts.loaded,
+            loaded_bytes: counts.loaded * line.0,
+        }
+    }
+}
+
 /// Totals of a walk, and its time.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct WalkTotals {
@@ -137,7 +158,7 @@ impl<'a> Walk<'a> {
             .configs
             .iter()
             .zip(counts)
-            .map(|(config, counts)| row(frame, rays, counts, config.geometry.line()))
+            .map(|(config, counts)| FrameRow::new(frame as u64, rays, counts, config.geometry.line()))
             .collect();
         self.totals.rays += rays.total();
         self.totals.accesses += rows.iter().map(|row| row.accesses).sum::<u64>();
@@ -189,23 +210,6 @@ pub fn record_frame<E: Send>(
     match failed {
         Some(error) => Err(error),
         None => Ok(traced.continue_value().unwrap_or_default()),
-    }
-}
-
-fn row(frame: usize, rays: RayCounts, counts: FrameCounts, line: Bytes) -> FrameRow {
-    FrameRow {
-        frame: frame as u64,
-        primary_rays: rays.primary,
-        shadow_rays: rays.shadow,
-        secondary_rays: rays.secondary,
-        accesses: counts.accesses,
-        hits: counts.accesses - counts.loaded,
-        misses: counts.loaded,
-        working_set_lines: counts.working_set,
-        working_set_bytes: counts.working_set * line.0,
-        collisions: counts.collisions,
-        loaded_lines: counts.loaded,
-        loaded_bytes: counts.loaded * line.0,
     }
 }
 

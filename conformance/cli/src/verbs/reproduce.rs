@@ -24,7 +24,7 @@ pub struct Args {
     /// Small pictures, and few frames of the walks: for a first look
     #[arg(long)]
     quick: bool,
-    /// All frames of the walks: hours instead of half an hour
+    /// All frames of the walks: hours, where some of them take a quarter to half an hour
     #[arg(long, conflicts_with = "quick")]
     all_frames: bool,
     /// Folder for the page, the graphs (SVG) and their data (CSV)

@@ -9,21 +9,23 @@ use crate::size::Size;
 use crate::surface::{self, Loaded};
 use crate::table::{Column, aligned};
 use crate::{sample, summary};
-use anyhow::Result;
+use anyhow::{Context, Result, ensure};
 use saarcor_kit::vm::config::{HASHES, POLICIES};
+use saarcor_model::rays::RayCounts;
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry};
 use saarcor_paper::mb;
+use saarcor_studies::caches::{Caches, FrameCounts};
 use saarcor_studies::hot_spots::{Extreme, HotFrame, cuts, hot_spots};
 use saarcor_studies::names::name_of;
+use saarcor_studies::recorded::Recorded;
 use saarcor_studies::sampling::plan::SampleFraction;
 use saarcor_studies::sampling::walk::walk_sample;
 use saarcor_studies::summary::Summary;
 use saarcor_studies::walk::{FrameRow, Walk, WalkOptions, WalkTotals};
-use saarcor_studies::world::World;
 use serde::Serialize;
-use std::io::{IsTerminal, stdout};
-use std::ops::Range;
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::{BufRead, BufReader, IsTerminal, stdin, stdout};
+use std::path::{Path, PathBuf};
 
 /// Step one of the paper's §4: rays, traffic and working set of each frame of a walk
 #[derive(Debug, clap::Args)]
@@ -42,6 +44,13 @@ pub struct Args {
     /// Draws what all virtual memories load, over their sizes
     #[arg(long, value_name = "FILE.svg", requires = "all")]
     svg: Option<PathBuf>,
+    /// SCENE is a trace in place of a scene: accesses as din or as CSV of address and bytes ('-' is stdin), whose frames end at lines
+    /// that begin with #
+    #[arg(long = "trace", conflicts_with_all = [
+        "frames", "hot_spots", "sample", "auto", "lights", "no_textures", "strict", "no_mip_maps", "tree", "kernel", "resolution",
+        "packet", "bounces",
+    ])]
+    recorded: bool,
     /// Empties the virtual memory before each frame
     #[arg(long)]
     cold: bool,
@@ -62,6 +71,9 @@ impl Args {
         let configs = self.caches.configs(&self.scene.scene.text())?;
         check_walk(&configs, Bytes(0))?;
         let svg = self.svg.as_deref().map(|path| OutFile::check(path)?.with_ending(&["svg"])).transpose()?;
+        if self.recorded {
+            return self.play(&configs, svg, progress);
+        }
         let world = self.auto.open(&self.scene, self.frames.last(), progress)?;
         svg.iter().try_for_each(|svg| svg.check_inputs(&world.files))?;
         let frames = self.frames.of(&world);
@@ -72,8 +84,17 @@ impl Args {
         let cache = configs[0];
         let options = WalkOptions { cache, cold: self.cold, trace: self.trace.options() };
         if self.caches.all {
-            progress.say(format_args!("{} virtual memories", configs.len()));
-            return self.all(&world, frames, &options, &configs, svg, progress);
+            let mut walk = Walk::with_others(&world, frames.clone(), &options, &configs[1..]);
+            let mut done = 0;
+            progress.during("walk", |report| {
+                self.all(&configs, svg, progress, &mut || {
+                    report(done as f64 / frames.len() as f64);
+                    done += 1;
+                    Ok(walk.next_of_each())
+                })
+            })?;
+            say_speed(&walk.totals(), progress);
+            return Ok(());
         }
         progress.say(describe(&cache));
         let length = frames.len();
@@ -130,48 +151,95 @@ impl Args {
         out.finish()
     }
 
-    /// Walks with all virtual memories at once; prints what each loads, with JSON a row a frame and virtual memory.
+    /// Plays a trace to the virtual memories, and prints a row a frame, or of all what each loads.
+    fn play(&self, configs: &[CacheConfig], svg: Option<OutFile>, progress: &Progress) -> Result<()> {
+        // Which lines are touched and resident is known of the whole address space.
+        let host = Bytes(1 << 32);
+        check_walk(configs, host)?;
+        let (path, name) = (self.scene.scene.path(), self.scene.scene.text());
+        if path != Path::new(STDIN) {
+            svg.iter().try_for_each(|svg| svg.check_inputs([&path]))?;
+        }
+        let input: Box<dyn BufRead> = match path == Path::new(STDIN) {
+            true => Box::new(stdin().lock()),
+            false => Box::new(BufReader::new(
+                File::open(&path).with_context(|| format!("{name}: cannot be read"))?,
+            )),
+        };
+        let (mut trace, mut caches) = (Recorded::new(input), Caches::new(configs, host));
+        let mut frame = 0;
+        let mut next = || -> Result<Option<Vec<FrameRow>>> {
+            let counts = trace.next_frame(&mut caches, self.cold).with_context(|| name.to_string())?;
+            let row = |(counts, config): (FrameCounts, &CacheConfig)| {
+                FrameRow::new(frame, RayCounts::default(), counts, config.geometry.line())
+            };
+            let rows = counts.map(|counts| counts.into_iter().zip(configs).map(row).collect());
+            frame += 1;
+            Ok(rows)
+        };
+        if self.caches.all {
+            return self.all(configs, svg, progress, &mut next);
+        }
+        progress.say(describe(&configs[0]));
+        let (mut out, mut all) = (Stdout::new(), Vec::new());
+        while let Some(rows) = next()? {
+            if !self.json && all.is_empty() {
+                out.line(header())?;
+            }
+            for row in rows {
+                if self.json {
+                    json_line(&mut out, &CacheRow::new(row, &configs[0]))?;
+                } else {
+                    out.line(text(&row))?;
+                }
+                all.push(row);
+            }
+            out.flush()?;
+        }
+        ensure!(!all.is_empty(), "{name}: no accesses");
+        say_peaks(&all, configs[0].geometry, progress);
+        out.finish()
+    }
+
+    /// Prints what all virtual memories load in the frames of `next`; with JSON a row a frame and virtual memory.
     fn all(
         &self,
-        world: &World,
-        frames: Range<usize>,
-        options: &WalkOptions,
         configs: &[CacheConfig],
         svg: Option<OutFile>,
         progress: &Progress,
+        next: &mut dyn FnMut() -> Result<Option<Vec<FrameRow>>>,
     ) -> Result<()> {
-        let (length, mut out) = (frames.len(), Stdout::new());
+        progress.say(format_args!("{} virtual memories", configs.len()));
+        let (mut frames, mut out) = (0, Stdout::new());
         let mut loaded = vec![0; configs.len()];
-        let mut walk = Walk::with_others(world, frames, options, &configs[1..]);
-        progress.during("walk", |report| -> Result<()> {
-            let mut done = 0;
-            while let Some(rows) = walk.next_of_each() {
-                for ((row, config), loaded) in rows.into_iter().zip(configs).zip(&mut loaded) {
-                    *loaded += row.loaded_bytes;
-                    if self.json {
-                        json_line(&mut out, &CacheRow::new(row, config))?;
-                    }
+        while let Some(rows) = next()? {
+            for ((row, config), loaded) in rows.into_iter().zip(configs).zip(&mut loaded) {
+                *loaded += row.loaded_bytes;
+                if self.json {
+                    json_line(&mut out, &CacheRow::new(row, config))?;
                 }
-                done += 1;
-                report(done as f64 / length as f64);
-                out.flush()?;
             }
-            Ok(())
-        })?;
+            frames += 1;
+            out.flush()?;
+        }
+        let name = self.scene.scene.text();
+        ensure!(frames > 0, "{name}: no accesses");
         let loaded: Vec<_> =
             configs.iter().zip(loaded).map(|(&config, bytes)| Loaded { config, bytes }).collect();
         if !self.json {
-            out.line(format_args!("MB loaded by {length} frames"))?;
+            out.line(format_args!("MB loaded by {}", surface::frames_in_words(frames)))?;
             out.line(surface::table(&loaded))?;
         }
         if let Some(svg) = svg {
-            let drawing = surface::svg(&loaded, &self.scene.scene.text(), length)?;
+            let drawing = surface::svg(&loaded, &name, frames)?;
             svg.write(|file| Ok(file.write_all(drawing.as_bytes())?))?;
         }
-        say_speed(&walk.totals(), progress);
         out.finish()
     }
 }
+
+/// The name that stands for standard input.
+const STDIN: &str = "-";
 
 /// A row of a walk, and the virtual memory whose row it is.
 #[derive(Serialize)]
