@@ -46,19 +46,24 @@ fn any_operation(addr: impl Strategy<Value = u32>) -> impl Strategy<Value = Oper
 }
 
 /// Programs whose operations have these addresses; triangles begin at 0, at 20, or there too.
-fn any_programs(addr: impl Strategy<Value = u32> + Clone) -> impl Strategy<Value = Programs> {
+/// Pictures of one scene: those before, and the one that is timed. Its triangles lie where they are said to, or behind.
+fn any_pictures(
+    addr: impl Strategy<Value = u32> + Clone,
+) -> impl Strategy<Value = (Vec<Programs>, Programs)> {
     let triangles = prop_oneof![Just(0), Just(20), addr.clone()].prop_map(HostAddr);
-    let packet = prop::collection::vec(any_operation(addr), 0..12);
-    (prop::collection::vec(packet, 0..12), triangles).prop_map(|(mut packets, triangles)| {
-        for operation in packets.iter_mut().flatten() {
-            if operation.unit == Unit::Intersection && operation.addr < triangles {
-                // Triangles lie there or behind.
-                operation.addr = triangles;
-                operation.bytes = operation.bytes.min(1);
-                operation.rays = operation.rays.max(1);
+    let packets = || prop::collection::vec(prop::collection::vec(any_operation(addr.clone()), 0..12), 0..12);
+    (prop::collection::vec(packets(), 0..2), packets(), triangles).prop_map(|(before, timed, triangles)| {
+        let programs = |mut packets: Vec<Vec<Operation>>| {
+            for operation in packets.iter_mut().flatten() {
+                if operation.unit == Unit::Intersection && operation.addr < triangles {
+                    operation.addr = triangles;
+                    operation.bytes = operation.bytes.min(1);
+                    operation.rays = operation.rays.max(1);
+                }
             }
-        }
-        Programs { packets: packets.into_iter().map(Program::from).collect(), triangles }
+            Programs { packets: packets.into_iter().map(Program::from).collect(), triangles }
+        };
+        (before.into_iter().map(programs).collect(), programs(timed))
     })
 }
 
@@ -162,8 +167,7 @@ proptest! {
     #[test]
     fn fast_chip_is_the_specifications(
         config in any_chip(),
-        programs in any_programs(anywhere()),
-        before in prop::collection::vec(any_programs(anywhere()), 0..2),
+        (before, programs) in any_pictures(anywhere()),
     ) {
         let fast = saarcor_fast::chip::simulate(&before, &programs, &config).expect("a chip");
         prop_assert_eq!(&fast, &saarcor_model::time::simulate(&before, &programs, &config).expect("a chip"));
@@ -176,8 +180,7 @@ proptest! {
     #[test]
     fn parts_have_the_bytes_of_the_host(
         config in any_chip(),
-        programs in any_programs(near()),
-        before in prop::collection::vec(any_programs(near()), 0..2),
+        (before, programs) in any_pictures(near()),
     ) {
         let host: Vec<u8> = (0..20_000_u32).map(|addr| (addr ^ addr >> 7) as u8).collect();
         let mut fast = Watch { shadow: CardShadow::new(&host, &config), commands: Vec::new() };
@@ -244,7 +247,7 @@ proptest! {
     #[test]
     fn fast_chip_is_the_specifications_on_large_cards(
         config in any_large_chip(),
-        programs in any_programs(anywhere()),
+        (_, programs) in any_pictures(anywhere()),
     ) {
         let fast = saarcor_fast::chip::simulate(&[], &programs, &config).expect("a chip");
         prop_assert_eq!(fast, saarcor_model::time::simulate(&[], &programs, &config).expect("a chip"));
@@ -258,7 +261,7 @@ proptest! {
     #[test]
     fn fast_chip_is_the_specifications_where_lines_are_evicted_in_flight(
         config in any_chip_that_evicts_in_flight(),
-        programs in any_programs(0_u32..160),
+        (_, programs) in any_pictures(0_u32..160),
     ) {
         let fast = saarcor_fast::chip::simulate(&[], &programs, &config).expect("a chip");
         prop_assert_eq!(fast, saarcor_model::time::simulate(&[], &programs, &config).expect("a chip"));

@@ -29,7 +29,7 @@ pub type Program = Arc<[Operation]>;
 pub struct Programs {
     /// Those of each packet, in the order in which packets are handed out (CH-4).
     pub packets: Vec<Program>,
-    /// Address of the first triangle: where the lines of the triangle cache begin (L1-1).
+    /// Address of the first triangle: where the lines of the triangle cache begin (L1-1), the same in all pictures of a scene.
     pub triangles: HostAddr,
 }
 
