@@ -79,7 +79,7 @@ fn path_may_lie_elsewhere() {
     assert_eq!(of(&figures, "table2").len(), 1);
     // One frame says nothing of warm caches, nor which frames are the worst.
     for id in ["a-hardly-slower", "b-little-slower", "fast-bus", "hot-spots-are-worst"] {
-        assert_eq!(verdict(&figures, id), "cannot_tell", "{id}");
+        assert_eq!(verdict(&figures, id), "undecided", "{id}");
     }
     for memory in of(&figures, "memories") {
         assert!(memory["loaded_bytes_a_frame"].is_null() && memory["bus_fps"].is_null(), "{memory}");

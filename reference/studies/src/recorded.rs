@@ -53,27 +53,27 @@ impl<R: BufRead> Recorded<R> {
     ) -> Result<Option<Vec<FrameCounts>>, TraceError> {
         let (mut batch, mut is_begun) = (Vec::new(), false);
         loop {
-            let end = self.fill(&mut batch)?;
+            let stop = self.fill(&mut batch)?;
             if !batch.is_empty() && !is_begun {
                 caches.begin_frame(cold);
                 is_begun = true;
             }
             caches.play(batch.iter().copied());
             batch.clear();
-            if end == End::OfInput || end == End::OfFrame && is_begun {
+            if stop == Stop::Input || stop == Stop::Frame && is_begun {
                 return Ok(is_begun.then(|| caches.counts()));
             }
         }
     }
 
     /// Reads accesses up to the end of the frame, but not too many.
-    fn fill(&mut self, batch: &mut Vec<Read>) -> Result<End, TraceError> {
+    fn fill(&mut self, batch: &mut Vec<Read>) -> Result<Stop, TraceError> {
         let mut text = Vec::new();
         while batch.len() < BATCH {
             text.clear();
             let read = (&mut self.input).take(MAX_LINE).read_until(b'\n', &mut text)?;
             if read == 0 {
-                return Ok(End::OfInput);
+                return Ok(Stop::Input);
             }
             self.line += 1;
             let wrong = |right: &str| {
@@ -86,7 +86,7 @@ impl<R: BufRead> Recorded<R> {
             let Ok(line) = std::str::from_utf8(&text) else { return wrong(RIGHT) };
             let line = line.trim();
             if line.starts_with('#') {
-                return Ok(End::OfFrame);
+                return Ok(Stop::Frame);
             }
             match access(line) {
                 Ok(Some(read)) => batch.push(read),
@@ -96,16 +96,16 @@ impl<R: BufRead> Recorded<R> {
                 Err(right) => return wrong(right),
             }
         }
-        Ok(End::OfBatch)
+        Ok(Stop::Batch)
     }
 }
 
 /// Where reading stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum End {
-    OfInput,
-    OfFrame,
-    OfBatch,
+enum Stop {
+    Input,
+    Frame,
+    Batch,
 }
 
 const RIGHT: &str =

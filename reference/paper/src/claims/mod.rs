@@ -26,8 +26,8 @@ pub enum Holds {
     DoesNot,
     /// The paper does not say what its figure counts.
     NotComparable,
-    /// Nothing that was run tells.
-    CannotTell,
+    /// Nothing that was run decides.
+    Undecided,
 }
 
 impl Holds {
@@ -39,7 +39,7 @@ impl Holds {
             (true, true) => Self::Holds,
             (true, false) => Self::InPart,
             (false, false) => Self::DoesNot,
-            (false, true) => Self::CannotTell,
+            (false, true) => Self::Undecided,
         }
     }
 }
@@ -51,7 +51,7 @@ impl fmt::Display for Holds {
             Self::InPart => "holds in part",
             Self::DoesNot => "does not hold here",
             Self::NotComparable => "not comparable",
-            Self::CannotTell => "cannot be told here",
+            Self::Undecided => "cannot be decided here",
         })
     }
 }
@@ -266,7 +266,7 @@ mod tests {
         assert_eq!(Holds::of([true, true]), Holds::Holds);
         assert_eq!(Holds::of([true, false]), Holds::InPart);
         assert_eq!(Holds::of([false]), Holds::DoesNot);
-        assert_eq!(Holds::of([]), Holds::CannotTell, "of nothing, nothing is shown");
+        assert_eq!(Holds::of([]), Holds::Undecided, "of nothing, nothing is shown");
     }
 
     #[test]
