@@ -8,8 +8,12 @@ use crate::caches::{Caches, FrameCounts, Read};
 use saarcor_model::vm::HostAddr;
 use std::io::{self, BufRead, Read as _};
 
-/// Accesses that are played at a time.
+/// Accesses that are played at a time, unless they have more bytes than [`BATCH_BYTES`].
 const BATCH: usize = 1 << 16;
+/// Bytes of the accesses that are played at a time, about: they bound the lines that these use.
+const BATCH_BYTES: u64 = 1 << 20;
+/// Most bytes of an access.
+const MAX_BYTES: u64 = 1 << 16;
 /// Most bytes of a line.
 const MAX_LINE: u64 = 256;
 
@@ -68,8 +72,8 @@ impl<R: BufRead> Recorded<R> {
 
     /// Reads accesses up to the end of the frame, but not too many.
     fn fill(&mut self, batch: &mut Vec<Read>) -> Result<Stop, TraceError> {
-        let mut text = Vec::new();
-        while batch.len() < BATCH {
+        let (mut text, mut bytes) = (Vec::new(), 0);
+        while batch.len() < BATCH && bytes < BATCH_BYTES {
             text.clear();
             let read = (&mut self.input).take(MAX_LINE).read_until(b'\n', &mut text)?;
             if read == 0 {
@@ -89,7 +93,10 @@ impl<R: BufRead> Recorded<R> {
                 return Ok(Stop::Frame);
             }
             match access(line) {
-                Ok(Some(read)) => batch.push(read),
+                Ok(Some(read)) => {
+                    bytes += u64::from(read.1);
+                    batch.push(read);
+                }
                 // Nothing, or the header of a table.
                 Ok(None) if line.is_empty() || self.line == 1 => {}
                 Ok(None) => return wrong(RIGHT),
@@ -134,10 +141,11 @@ fn access(line: &str) -> Result<Option<Read>, &'static str> {
     match (addr, bytes, third) {
         (Some(addr), Some(bytes), None) => {
             let addr = u32::try_from(addr).map_err(|_| "an address has 32 bits")?;
-            let end = u64::from(addr) + bytes;
-            match u32::try_from(bytes) {
-                Ok(bytes) if bytes > 0 && end <= 1 << 32 => Ok(Some((HostAddr(addr), bytes))),
-                _ => Err("an access has at least one byte, and none beyond the end of 32 bits"),
+            match (1..=MAX_BYTES).contains(&bytes) && u64::from(addr) + bytes <= 1 << 32 {
+                true => Ok(Some((HostAddr(addr), bytes as u32))),
+                false => {
+                    Err("an access has at least one byte, at most 65536, and none beyond the end of 32 bits")
+                }
             }
         }
         _ => Ok(None),
@@ -181,6 +189,8 @@ mod tests {
     fn long_frames_are_played_in_parts() {
         let line = "0 0\n0 40\n";
         assert_eq!(frames(&line.repeat(BATCH), false), Ok(vec![(2 * BATCH as u64, 2)]));
+        // Of large accesses few are played at a time: each uses 1024 lines, of which the memory holds 4.
+        assert_eq!(frames(&"0,65536\n".repeat(40), false), Ok(vec![(40 << 10, 40 << 10)]));
     }
 
     #[test]
@@ -192,6 +202,8 @@ mod tests {
             ("0 100000000\n", 1, "32 bits"),
             ("0,0\n", 1, "at least one byte"),
             ("0xfffffff0,32\n", 1, "none beyond"),
+            ("0,65537\n", 1, "at most 65536"),
+            ("1,18446744073709551615\n", 1, "at most 65536"),
             ("1,2,3\n1,2,3\n", 2, "write '0 ADDRESS'"),
             (&format!("0 {}\n", "0".repeat(300)), 1, "less than 256 bytes"),
         ] {

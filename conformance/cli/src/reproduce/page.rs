@@ -152,8 +152,8 @@ fn chip_text(warm_up: WarmUp) -> String {
     };
     format!(
         "<p>Step two of §4: the hot spots of the walks on the whole chip, cycle by cycle, {warmed} (the first frame of a path has \
-         none before it, and finds them empty); both in the order of their frames, and the same frames for all variants of a scene. PCI is what a frame loads from the host, Mem what moves \
-         between the chip and the on-board memory.</p>\n"
+         none before it, and finds them empty); both in the order of their frames, and the same frames for all variants of a scene. \
+         PCI is what a frame loads from the host, Mem what moves between the chip and the on-board memory.</p>\n"
     )
 }
 

@@ -126,11 +126,7 @@ impl Args {
         let mut walk = Walk::new(&world, frames, &options);
         bar.during("walk", |report| -> Result<()> {
             for (done, row) in walk.by_ref().enumerate() {
-                if self.json {
-                    json_line(&mut out, &CacheRow::new(row, &cache))?;
-                } else {
-                    out.line(text(&row))?;
-                }
+                self.row(&mut out, row, &cache)?;
                 rows.push(row);
                 report((done + 1) as f64 / length as f64);
                 out.flush()?;
@@ -149,6 +145,11 @@ impl Args {
         }
         say_speed(&walk.totals(), progress);
         out.finish()
+    }
+
+    /// Prints the row of a frame.
+    fn row(&self, out: &mut Stdout, row: FrameRow, cache: &CacheConfig) -> Result<()> {
+        if self.json { json_line(out, &CacheRow::new(row, cache)) } else { out.line(text(&row)) }
     }
 
     /// Plays a trace to the virtual memories, and prints a row a frame, or of all what each loads.
@@ -187,11 +188,7 @@ impl Args {
                 out.line(header())?;
             }
             for row in rows {
-                if self.json {
-                    json_line(&mut out, &CacheRow::new(row, &configs[0]))?;
-                } else {
-                    out.line(text(&row))?;
-                }
+                self.row(&mut out, row, &configs[0])?;
                 all.push(row);
             }
             out.flush()?;
