@@ -93,6 +93,7 @@ pub fn theorems() -> impl Iterator<Item = &'static theorem::Theorem> {
         equal::version_b::THEOREMS,
         equal::first_level::THEOREMS,
         equal::stacks::THEOREMS,
+        equal::traffic::THEOREMS,
         equal::adaptive::THEOREMS,
         equal::sdram::THEOREMS,
         equal::pci::THEOREMS,

@@ -19,6 +19,10 @@
 //! # Ok::<(), saarcor_model::vm::GeometryError>(())
 //! ```
 //!
+//! To count what a cache does with many accesses there is one function, [`traffic::Traffic::access`] of a slice of `u32` line
+//! numbers: versions A and B, any legal geometry, hash and policy. `cargo bench -p saarcor-fast` runs it beside a loop in the
+//! way of Valgrind's cachegrind.
+//!
 //! Read `saarcor-model` first; then any of these modules beside its twin.
 
 pub mod adaptive;
@@ -28,4 +32,5 @@ pub mod first_level;
 pub mod pci;
 pub mod sdram;
 pub mod stacks;
+pub mod traffic;
 pub mod version_b;

@@ -15,4 +15,5 @@ pub mod first_level;
 pub mod pci;
 pub mod sdram;
 pub mod stacks;
+pub mod traffic;
 pub mod version_b;
