@@ -79,9 +79,11 @@ pub fn table(loaded: &[Loaded]) -> Table {
 
 /// The picture: a field a virtual memory, the darker the more it loads, by the logarithm.
 ///
+/// `id` distinguishes it from other pictures of a page.
+///
 /// # Errors
 /// If nothing is loaded.
-pub fn svg(loaded: &[Loaded], scene: &str, frames: usize) -> Result<String> {
+pub fn svg(loaded: &[Loaded], id: &str, scene: &str, frames: usize) -> Result<String> {
     let megabytes = |one: &Loaded| one.bytes as f64 / MB as f64;
     let (least, most) = loaded
         .iter()
@@ -125,5 +127,5 @@ pub fn svg(loaded: &[Loaded], scene: &str, frames: usize) -> Result<String> {
          from {least:.2} to {most:.2}."
     );
     let drawing = SvgBackend::new().render_scene(&drawn);
-    Ok(accessible(&drawing, "surface", scene, &description, (drawn.width, drawn.height)))
+    Ok(accessible(&drawing, id, scene, &description, (drawn.width, drawn.height)))
 }

@@ -1,10 +1,12 @@
 //! Figure 3 (§4): working set and transfers, frame by frame.
 
+use crate::tables::mb;
 use saarcor_model::time::PciConfig;
 use saarcor_model::time::standard::CORE_HZ;
-use saarcor_model::vm::{CacheConfig, Geometry};
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash};
 use saarcor_studies::hot_spots::{HotFrame, cuts, hot_spots};
 use saarcor_studies::monitor::Monitor;
+use saarcor_studies::standard;
 use saarcor_studies::walk::{FrameRow, Walk, WalkOptions};
 use saarcor_studies::world::World;
 use serde::Serialize;
@@ -26,6 +28,55 @@ pub struct Graph {
     pub hot_spots: Vec<HotFrame>,
     /// The frames of the path before which the camera cuts.
     pub cuts: Vec<usize>,
+    /// What the same walk loads with virtual memories of other sizes, and without the hash: played beside the first one.
+    pub sizes: Vec<SizeRow>,
+}
+
+/// What a walk loads with a virtual memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct SizeRow {
+    /// The virtual memory.
+    #[serde(skip)]
+    pub config: CacheConfig,
+    /// Size of the on-board memory.
+    pub memory_bytes: u64,
+    /// Bytes of a line.
+    pub line_bytes: u64,
+    /// Lines a set.
+    pub ways: u32,
+    /// Whether the upper bits of a line are added to the lower ones.
+    pub hash: bool,
+    /// Bytes that all frames load which were walked through.
+    pub loaded_bytes: u64,
+}
+
+impl SizeRow {
+    fn new(config: CacheConfig, rows: &[FrameRow]) -> Self {
+        let CacheConfig { geometry, hash, .. } = config;
+        Self {
+            config,
+            memory_bytes: geometry.memory().0,
+            line_bytes: geometry.line().0,
+            ways: geometry.ways(),
+            hash: hash != Hash::Low,
+            loaded_bytes: rows.iter().map(|row| row.loaded_bytes).sum(),
+        }
+    }
+}
+
+/// Virtual memories that differ from the standard one in their sizes: 1 to 64 MiB, of these with the standard line fewer ways
+/// without the hash, too.
+fn sizes(standard: CacheConfig) -> Vec<CacheConfig> {
+    let hashed = [64, 128, 256]
+        .into_iter()
+        .flat_map(|line| [1, 2, 4, 8, 16].map(|ways| (line, ways, Hash::default())));
+    let plain = [1, 2, standard::WAYS].map(|ways| (standard::LINE.0, ways, Hash::Low));
+    let of_any_memory = |(line, ways, hash)| {
+        let geometries =
+            (20..=26).filter_map(move |bits| Geometry::new(Bytes(1 << bits), Bytes(line), ways).ok());
+        geometries.map(move |geometry| CacheConfig { geometry, hash, policy: standard.policy })
+    };
+    hashed.chain(plain).flat_map(of_any_memory).collect()
 }
 
 impl Graph {
@@ -56,8 +107,10 @@ impl Graph {
         let path_frames = world.path.len();
         let chosen = (0..path_frames).step_by(step);
         let length = chosen.len();
-        let mut walk = Walk::with_others(world, chosen, options, others);
-        let mut all: Vec<Vec<FrameRow>> = vec![Vec::new(); others.len() + 1];
+        let sizes = sizes(options.cache);
+        let played = [others, &sizes].concat();
+        let mut walk = Walk::with_others(world, chosen, options, &played);
+        let mut all: Vec<Vec<FrameRow>> = vec![Vec::new(); played.len() + 1];
         monitor.during(&format!("{name}: walk of {length} frames"), |report| {
             while let Some(rows) = walk.next_of_each() {
                 all.iter_mut().zip(rows).for_each(|(all, row)| all.push(row));
@@ -75,8 +128,20 @@ impl Graph {
             hot_spots: hot_spots(&frames, &world.path, count),
             frames,
             cuts: cuts(&world.path).into_iter().collect(),
+            sizes: sizes
+                .iter()
+                .zip(&all[others.len()..])
+                .map(|(cache, rows)| SizeRow::new(*cache, rows))
+                .collect(),
         };
         (graph, memories)
+    }
+
+    /// MB that the walk loads with virtual memories of which something is asked, in the order of [`Graph::sizes`]: what is
+    /// left of them by `name`, and the number.
+    pub(crate) fn loaded(&self, name: impl Fn(&SizeRow) -> Option<String>) -> Vec<String> {
+        let named = |row: &SizeRow| Some(format!("{}: {}", name(row)?, mb(row.loaded_bytes)));
+        self.sizes.iter().filter_map(named).collect()
     }
 
     /// The first frame that has the most of something.

@@ -222,7 +222,6 @@ fn accesses(cache: CacheConfig, addr: HostAddr, bytes: u64) -> impl Iterator<Ite
 }
 
 /// Records what units read.
-#[derive(Default)]
 struct Reads(Vec<Read>);
 
 impl Observer for Reads {
@@ -267,15 +266,17 @@ impl ForPackets for TraceFrame<'_> {
     fn run<const N: usize>(self) -> Self::Output {
         let Self { world, frame, max_bounces, consume } = self;
         let trace_batch = |packets: Range<u32>| -> Vec<TracedPacket> {
-            let trace = |pipeline: &mut Pipeline<N, _>, packet| {
-                let mut memory =
-                    Observed { memory: WholeScene(&world.image.bytes), observer: Reads::default() };
+            // A packet reads about as much as the one before it: room for that is taken at once.
+            let trace = |(pipeline, reads): &mut (Pipeline<N, _>, usize), packet| {
+                let observer = Reads(Vec::with_capacity(*reads));
+                let mut memory = Observed { memory: WholeScene(&world.image.bytes), observer };
                 pipeline.render(&mut memory, &world.image.registers, &frame, packet);
+                *reads = memory.observer.0.len();
                 TracedPacket { reads: memory.observer.0, rays: std::mem::take(&mut pipeline.rays) }
             };
             packets
                 .into_par_iter()
-                .map_init(|| Pipeline::with(FilteredIntersection::default(), max_bounces), trace)
+                .map_init(|| (Pipeline::with(FilteredIntersection::default(), max_bounces), 0), trace)
                 .collect()
         };
         let mut consume_batch = |batch: &[TracedPacket]| {

@@ -2,6 +2,7 @@
 
 use super::{bars, plot, tables};
 use crate::size::Size;
+use crate::surface::{self, Loaded};
 use crate::table::{Table, escaped};
 use saarcor_model::vm::Bytes;
 use saarcor_paper::claims::Claim;
@@ -94,6 +95,20 @@ pub fn html(report: &Reproduction) -> String {
             Size(Bytes(graph.memory_bytes)),
             plot::file(graph),
         );
+        let hashed = graph.sizes.iter().filter(|row| row.hash);
+        let loaded: Vec<_> =
+            hashed.map(|row| Loaded { config: row.config, bytes: row.loaded_bytes }).collect();
+        // A walk that loads nothing has no picture.
+        if let Ok(drawing) =
+            surface::svg(&loaded, &format!("sizes-{}", plot::file(graph)), &graph.name, graph.frames.len())
+        {
+            let _ = write!(
+                graphs,
+                "<figure>\n<div class=\"scroll\">{drawing}</div>\n<figcaption>{}: the same frames with on-board memories, lines and \
+                 ways of other sizes</figcaption>\n</figure>\n",
+                escaped(&graph.name),
+            );
+        }
     }
     let note = match report.extent {
         Extent::Quick if tables::skips_frames(report) => QUICK_NOTE,

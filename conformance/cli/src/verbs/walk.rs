@@ -228,7 +228,7 @@ impl Args {
             out.line(surface::table(&loaded))?;
         }
         if let Some(svg) = svg {
-            let drawing = surface::svg(&loaded, &name, frames)?;
+            let drawing = surface::svg(&loaded, "surface", &name, frames)?;
             svg.write(|file| Ok(file.write_all(drawing.as_bytes())?))?;
         }
         out.finish()

@@ -4,6 +4,7 @@ use super::{Cause, Claim, Evidence, Holds, NOTHING, cause, mean, ranges, ratio, 
 use crate::alternatives::{
     EIGHT_THREADS, LINES, NO_FIRST_LEVEL, ONE_THREAD, SMALL_METADATA_CACHE, lines, ways,
 };
+use crate::figure3::{Graph, SizeRow};
 use crate::table2::{Alternative, HotSpot};
 use crate::tables::{in_mb, mb, stated};
 use saarcor_model::time::Version;
@@ -15,14 +16,14 @@ use saarcor_studies::standard;
 const WORTH: f64 = 1.02;
 
 pub(super) fn claims(evidence: Evidence<'_>) -> Vec<Claim> {
-    let spots = evidence.spots;
+    let (spots, graphs) = (evidence.spots, evidence.graphs);
     let law = (!evidence.examples.is_empty()).then(|| metadata(evidence));
     let of_lines = spots.iter().any(|spot| spot.with(&lines(1024), Version::A).is_some());
     let of_first = spots.iter().any(|spot| spot.with(ONE_THREAD, Version::A).is_some());
     law.into_iter()
-        .chain(of_lines.then(|| best_line(spots)))
+        .chain(of_lines.then(|| best_line(spots, graphs)))
         .chain(of_lines.then(|| longer_lines(spots)))
-        .chain(of_lines.then(|| ways_and_hash(spots)))
+        .chain(of_lines.then(|| ways_and_hash(spots, graphs)))
         .chain(of_first.then(|| threads_hide(spots)))
         .chain(of_first.then(|| few_threads(spots)))
         .chain(of_first.then(|| metadata_cache(spots)))
@@ -54,6 +55,15 @@ fn metadata(evidence: Evidence<'_>) -> Claim {
         admitted: Vec::new(),
         open: "",
     }
+}
+
+/// What whole walks load with the standard size of on-board memory and what else `name` has a name for.
+fn of_walks(graphs: &[Graph], name: &dyn Fn(&SizeRow) -> Option<String>) -> impl Iterator<Item = String> {
+    graphs.iter().map(move |graph| {
+        let loaded =
+            graph.loaded(|row| if row.memory_bytes == graph.memory_bytes { name(row) } else { None });
+        format!("walk of {}, MB loaded: {}", graph.name, loaded.join("; "))
+    })
 }
 
 /// Frames whose lines were varied, with the run of each size of line in a version.
@@ -89,7 +99,7 @@ fn cost(slowdowns: &[(u64, f64)], line: u64) -> Option<f64> {
     slowdowns.iter().find(|(size, _)| *size == line).map(|(_, slowdown)| (slowdown - 1.0) * 100.0)
 }
 
-fn best_line(spots: &[HotSpot]) -> Claim {
+fn best_line(spots: &[HotSpot], graphs: &[Graph]) -> Claim {
     let (a, b) = (slowdowns(spots, Version::A), slowdowns(spots, Version::B));
     let both: Vec<(u64, f64)> = a.iter().zip(&b).map(|((line, a), (_, b))| (*line, (a * b).sqrt())).collect();
     let least = |slowdowns: &[(u64, f64)]| {
@@ -115,7 +125,12 @@ fn best_line(spots: &[HotSpot]) -> Claim {
             standard,
             with_setting,
         }),
-        numbers: vec![list("version A", &a), list("version B", &b), list("both alike", &both)],
+        numbers: [list("version A", &a), list("version B", &b), list("both alike", &both)]
+            .into_iter()
+            .chain(of_walks(graphs, &|row| {
+                (row.hash && row.ways == standard::WAYS).then(|| format!("{} B", row.line_bytes))
+            }))
+            .collect(),
         admitted: Vec::new(),
         open: "The paper does not say by which cost 128 B are best. This shows that they can be, not that this was meant.",
     }
@@ -149,7 +164,7 @@ fn longer_lines(spots: &[HotSpot]) -> Claim {
     }
 }
 
-fn ways_and_hash(spots: &[HotSpot]) -> Claim {
+fn ways_and_hash(spots: &[HotSpot], graphs: &[Graph]) -> Claim {
     let is_set = |one: &&Alternative| one.run.variant == "a" && one.setting.ends_with("hash");
     let frames = || {
         spots.iter().filter_map(|spot| {
@@ -184,7 +199,12 @@ fn ways_and_hash(spots: &[HotSpot]) -> Claim {
         ),
         verdict: Holds::of(frames().filter_map(least)),
         cause,
-        numbers: numbers.collect(),
+        numbers: numbers
+            .chain(of_walks(graphs, &|row| {
+                let compared = row.line_bytes == standard::LINE.0 && row.ways <= standard::WAYS;
+                compared.then(|| ways(row.ways, row.config.hash))
+            }))
+            .collect(),
         admitted: Vec::new(),
         open: "How often the upper bits are added, and how many sets there are, the paper does not say.",
     }

@@ -2,11 +2,12 @@
 
 use super::{Cause, Claim, Evidence, Holds, Range, cause, mean, ranges, ratio, times};
 use crate::alternatives::{EIGHTH_MEMORY, HALF_MEMORY};
-use crate::figure3::Graph;
+use crate::figure3::{Graph, SizeRow};
 use crate::table1::SceneRow;
 use crate::table2::HotSpot;
 use crate::tables::{MB, in_mb, mb};
 use saarcor_model::time::Version;
+use saarcor_studies::standard;
 use saarcor_studies::walk::FrameRow;
 
 /// Bytes of a shading record that has all fields.
@@ -72,7 +73,15 @@ fn loaded(spot: &HotSpot, setting: &str) -> Option<(f64, f64)> {
 fn memories(graphs: &[Graph], spots: &[HotSpot]) -> Claim {
     let numbers = graphs
         .iter()
-        .map(|graph| format!("{}: {} of {} MB", graph.name, mb(peak(graph)), mb(graph.memory_bytes)));
+        .map(|graph| format!("{}: {} of {} MB", graph.name, mb(peak(graph)), mb(graph.memory_bytes)))
+        .chain(graphs.iter().map(|graph| {
+            let of_memory = |row: &SizeRow| {
+                let standard =
+                    (row.line_bytes, row.ways, row.hash) == (standard::LINE.0, standard::WAYS, true);
+                standard.then(|| format!("{} MiB", row.memory_bytes / MB))
+            };
+            format!("walk of {}, MB loaded with {}", graph.name, graph.loaded(of_memory).join("; "))
+        }));
     Claim {
         id: "working-set-fits",
         section: "§4, Figure 3",
