@@ -98,11 +98,14 @@ impl<'a> Names<'a> {
     }
 }
 
+/// What the names of temporary files and folders begin with, of any process.
+pub const TEMPORARY: &str = ".saarcor-";
+
 /// What the names of this process's temporary files and folders begin with: whoever has the process ended by a signal
 /// can remove them.
 #[must_use]
 pub fn temporary_prefix() -> String {
-    format!(".saarcor-{}-", std::process::id())
+    format!("{TEMPORARY}{}-", std::process::id())
 }
 
 /// A folder beside the export, in which the files are completed before they are moved to their

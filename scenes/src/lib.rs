@@ -29,7 +29,7 @@ mod warning;
 
 pub use csv::{read_cameras, read_lights};
 pub use error::SceneError;
-pub use export::{export_obj, temporary_prefix};
+pub use export::{TEMPORARY, export_obj, temporary_prefix};
 pub use obj::{LoadOptions, Loaded, load_obj};
 pub use overview::overview;
 pub use saarcor_random::Random;

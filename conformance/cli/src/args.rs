@@ -1,7 +1,7 @@
 //! What arguments mean, and the groups of arguments that verbs share.
 
+use crate::cache::kept_worlds;
 use crate::limits::check_state;
-use crate::output::temporaries;
 use crate::size::{Size, Sizes};
 use anyhow::{Context, Result, ensure};
 use clap::builder::{
@@ -18,7 +18,6 @@ use saarcor_studies::names::{BUSES, KERNELS, Names, ORDERS, PACKETS, TREES, VERS
 use saarcor_studies::standard;
 use saarcor_studies::sweep::AXES;
 use saarcor_studies::trace::{PacketOrder, PacketSize, TraceOptions};
-use saarcor_studies::world::kept::KeptWorlds;
 use saarcor_studies::world::{World, WorldOptions};
 use std::borrow::Cow;
 use std::ffi::OsString;
@@ -130,12 +129,15 @@ impl From<&str> for SceneName {
 
 impl SceneName {
     /// The scene as it is made ready unless something else is asked for.
-    #[must_use]
-    pub fn world(&self) -> WorldOptions {
-        WorldOptions {
+    ///
+    /// # Errors
+    /// If the environment says wrongly how much is kept.
+    pub fn world(&self) -> Result<WorldOptions> {
+        Ok(WorldOptions {
             file: self.0.to_str().is_none().then(|| PathBuf::from(&self.0)),
+            kept: kept_worlds()?,
             ..WorldOptions::new(&self.text())
-        }
+        })
     }
 
     /// The name as a path.
@@ -185,12 +187,11 @@ pub struct SceneArgs {
 
 impl SceneArgs {
     /// What to make ready, with a path that has `last_frame`.
-    #[must_use]
-    pub fn options(&self, last_frame: Option<usize>) -> WorldOptions {
-        let kept = KeptWorlds::of_user();
-        // Where signals cannot be waited for, one may leave a file.
-        let _ = kept.as_ref().map(|kept| temporaries::watch(kept.folder()));
-        WorldOptions {
+    ///
+    /// # Errors
+    /// Those of [`SceneName::world`].
+    pub fn options(&self, last_frame: Option<usize>) -> Result<WorldOptions> {
+        Ok(WorldOptions {
             lights: self.lights,
             no_textures: self.no_textures,
             strict: self.strict,
@@ -198,9 +199,8 @@ impl SceneArgs {
             tree: BuildOptions { rule: self.tree, ..BuildOptions::default() },
             kernel: self.kernel.unwrap_or_default(),
             last_frame,
-            kept,
-            ..self.scene.world()
-        }
+            ..self.scene.world()?
+        })
     }
 }
 

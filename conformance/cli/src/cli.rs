@@ -4,7 +4,8 @@ use crate::output::{ClosedPipe, Stdout};
 use crate::progress::Progress;
 use crate::status::Status;
 use crate::verbs::{
-    accuracy, conform, crosscheck, metadata, prove, render, reproduce, scenes, simulate, sweep, trace, walk,
+    accuracy, cache, conform, crosscheck, metadata, prove, render, reproduce, scenes, simulate, sweep, trace,
+    walk,
 };
 use anyhow::{Context, Result};
 use clap::error::ErrorKind;
@@ -61,6 +62,7 @@ enum Verb {
     Accuracy(accuracy::Args),
     Conform(conform::Args),
     Reproduce(reproduce::Args),
+    Cache(cache::Args),
 }
 
 /// Does what the arguments ask for. The first argument is the program's name.
@@ -113,6 +115,7 @@ impl Cli {
                 Verb::Accuracy(args) => args.run(&progress),
                 Verb::Conform(args) => return args.run(&progress),
                 Verb::Reproduce(args) => args.run(&progress),
+                Verb::Cache(args) => return args.run(&progress),
             }
             .map(|()| Status::Holds)
         })

@@ -19,6 +19,7 @@
 //! | [`cli`] | the verbs, and how errors are shown |
 //! | [`status`] | how a command ends |
 //! | [`args`] | what arguments mean: ranges of frames, configurations |
+//! | [`cache`] | where scenes are kept from run to run |
 //! | [`size`] | sizes in bytes, as a user writes them |
 //! | [`limits`] | how much memory a simulation may take |
 //! | [`output`] | standard output and output files, whole or not at all |
@@ -38,6 +39,7 @@
 //! | [`reproduce`] | the paper's figures, ours beside theirs |
 
 pub mod args;
+pub mod cache;
 pub mod cli;
 pub mod conform;
 pub mod curve;

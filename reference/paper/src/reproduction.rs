@@ -21,6 +21,7 @@ use saarcor_studies::simulate::WarmUp;
 use saarcor_studies::standard;
 use saarcor_studies::trace::{PacketSize, TraceOptions};
 use saarcor_studies::walk::WalkOptions;
+use saarcor_studies::world::kept::KeptWorlds;
 use saarcor_studies::world::{World, WorldOptions};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -57,6 +58,8 @@ pub struct ReproductionOptions {
     /// A folder with the real scenes `oa_dm3` and `conference`, which then stand in for pQuake3
     /// and for Conference, too.
     pub scenes: Option<PathBuf>,
+    /// Where worlds are kept from run to run, if they are.
+    pub kept: Option<KeptWorlds>,
     /// Frames before each hot spot that warm the caches.
     pub warm_up: WarmUp,
 }
@@ -123,7 +126,7 @@ impl Reproduction {
         report: &mut dyn FnMut(f64),
     ) -> Result<Self, ReproductionError> {
         let ReproductionOptions { extent, warm_up, .. } = *options;
-        let sections = Section::all(options.scenes.as_deref())?;
+        let sections = Section::all(options.scenes.as_deref(), options.kept.as_ref())?;
         let trace = extent.trace();
         let how = How { setting: STANDARD, warm_up, trace: &trace };
 

@@ -8,6 +8,7 @@ use crate::tables::{self, Table1Row};
 use saarcor_studies::monitor::Monitor;
 use saarcor_studies::standard::{self, family};
 use saarcor_studies::walk::WalkOptions;
+use saarcor_studies::world::kept::KeptWorlds;
 use saarcor_studies::world::{World, WorldOptions};
 use std::path::Path;
 
@@ -44,12 +45,13 @@ pub(crate) struct Section {
 }
 
 impl Section {
-    /// All sections: of the built-in scenes, then of those of `scenes`. Of each family the walked one is the first, since
+    /// All sections: of the built-in scenes, then of those of `scenes`, with their worlds kept in `kept`. Of each family the walked one is the first, since
     /// the others take their hot spots from it.
-    pub fn all(scenes: Option<&Path>) -> Result<Vec<Self>, ReproductionError> {
+    pub fn all(scenes: Option<&Path>, kept: Option<&KeptWorlds>) -> Result<Vec<Self>, ReproductionError> {
         let built_in = |(place, row): (usize, &'static Table1Row)| {
             let name = row.scene.to_lowercase();
-            Self { place, row, options: WorldOptions::new(&name), name, real: false }
+            let options = WorldOptions { kept: kept.cloned(), ..WorldOptions::new(&name) };
+            Self { place, row, options, name, real: false }
         };
         let mut sections: Vec<Self> = tables::table1().iter().enumerate().map(built_in).collect();
         for (scene, kind) in REAL_SCENES {
@@ -64,6 +66,7 @@ impl Section {
                 let options = WorldOptions {
                     lights: Some(row.lights as usize),
                     no_textures: row.textures_mb.is_none(),
+                    kept: kept.cloned(),
                     ..WorldOptions::new(file)
                 };
                 let place = sections.len();
@@ -141,7 +144,7 @@ mod tests {
     fn no_scene_has_a_setting_of_its_own() {
         let chip = |of| standard::chip(of, Version::B).expect("a chip");
         let one = chip("Conference");
-        for section in Section::all(None).expect("built-in scenes") {
+        for section in Section::all(None, None).expect("built-in scenes") {
             let mut other = chip(&section.row.scene);
             assert_eq!(other.cache.geometry.memory(), standard::memory(&section.row.scene));
             let triangles = Unit::Intersection as usize;
@@ -159,7 +162,7 @@ mod tests {
     /// Each family has one walk, and all its variants have the frames of that one.
     #[test]
     fn frames_come_from_the_walk_of_the_family() {
-        let sections = Section::all(None).expect("built-in scenes");
+        let sections = Section::all(None, None).expect("built-in scenes");
         let walked: Vec<_> =
             sections.iter().filter(|section| section.is_walked()).map(Section::family).collect();
         assert_eq!(walked.len(), 4);

@@ -2,10 +2,9 @@
 
 use crate::error::{ParseError, StudyError};
 use crate::simulate::TimingRow;
-use crate::world::World;
+use crate::world::{Image, World};
 use rayon::prelude::*;
 use saarcor_fast::chip::simulate;
-use saarcor_model::host::HostImage;
 use saarcor_model::time::{ChipConfig, Programs, Version};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -112,7 +111,7 @@ impl Shard {
 /// scene's bytes and path as well as how it is simulated.
 #[must_use]
 pub fn identity(world: &World, scene: &str, how: &impl std::fmt::Debug) -> String {
-    let HostImage { bytes, registers, .. } = &world.image;
+    let Image { bytes, registers, .. } = &world.image;
     let all = format!("{scene:?} {how:?} {registers:?} {:?} {:032x}", world.path, xxh3_128(bytes));
     format!("{:016x}", xxh3_64(all.as_bytes()))
 }

@@ -1,8 +1,9 @@
 //! Where the bytes of a frame go: by class of data, and at each level of the memories.
 
 use crate::summary::REGION_NAMES;
+use crate::world::Image;
 use saarcor_fast::chip::{ChipObserver, Traffic};
-use saarcor_model::host::{HostImage, region_starts};
+use saarcor_model::host::region_starts;
 use saarcor_model::time::{ChipConfig, Command, Direction, Load, SdramConfig, Span, TimingReport};
 use saarcor_model::vm::HostAddr;
 use serde::Serialize;
@@ -47,7 +48,7 @@ pub struct TrafficRow {
 impl TrafficWatch {
     /// For a run on this chip, of a scene with this image.
     #[must_use]
-    pub fn new(image: &HostImage, config: &ChipConfig) -> Self {
+    pub fn new(image: &Image, config: &ChipConfig) -> Self {
         Self {
             starts: region_starts(image.region_bytes).expect("the image was laid out"),
             sdram: config.sdram,

@@ -147,7 +147,7 @@ impl Mesh {
         let ray = |number: usize| self.ray(place, &mut Random::new(Random::new(number as u64).bits()));
         let rays: Vec<Ray> = (0..count).map(ray).collect();
         let in_tree = |kernel| {
-            let image = HostImage::build(&scene, &tree, kernel).expect("a valid tree");
+            let image = HostImage::build(&scene, &tree, kernel).expect("a valid tree").into();
             traverse(&image, &rays, Query::Closest).into_iter().filter(Option::is_none).count()
         };
         // Half as large again: a test that rounds may find a ray in a triangle beside the one that it meets.

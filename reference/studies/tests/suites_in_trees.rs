@@ -79,7 +79,7 @@ fn loses_nothing(suite: &Suite, number: u64) -> Tally {
     let corners: Vec<_> = scene.triangles.iter().map(|triangle| triangle.corners).collect();
     let mut tally = Tally { rays: rays.len() as u64, ..Tally::default() };
     for kernel in [Kernel::Adaptive, Kernel::ALL[number as usize % (Kernel::ALL.len() - 1)]] {
-        let image = HostImage::build(&scene, &tree, kernel).expect("a valid tree");
+        let image = HostImage::build(&scene, &tree, kernel).expect("a valid tree").into();
         let traversed = traverse(&image, &rays, Query::Closest);
         let searched = search(&image, &corners, &rays);
         for ((ray, traversed), searched) in rays.iter().zip(&traversed).zip(&searched) {

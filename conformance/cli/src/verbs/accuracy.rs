@@ -135,7 +135,7 @@ impl Args {
         rays: u64,
         progress: &Progress,
     ) -> Result<()> {
-        let options = WorldOptions { kernel: scene::KERNEL, ..scene.world() };
+        let options = WorldOptions { kernel: scene::KERNEL, ..scene.world()? };
         let world = World::open(&options, progress)?;
         let rows = progress.during(&format!("{scene}: {rays} rays"), |_| {
             let cases = scene::cases(&world, rays, self.seed)?;

@@ -24,7 +24,7 @@ impl AutoArgs {
     /// # Errors
     /// Those of [`World::open`], and if no test stays inside the budget.
     pub fn open(&self, scene: &SceneArgs, last_frame: Option<usize>, progress: &Progress) -> Result<World> {
-        let options = scene.options(last_frame);
+        let options = scene.options(last_frame)?;
         let Some(budget) = self.auto else { return Ok(World::open(&options, progress)?) };
         let options = WorldOptions { kernel: scene::KERNEL, ..options };
         let world = World::open_choosing(&options, progress, |world| {

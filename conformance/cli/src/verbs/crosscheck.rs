@@ -54,7 +54,7 @@ impl Args {
     pub fn run(self, progress: &Progress) -> Result<Status> {
         let replayed = self.replay.as_deref().map(read).transpose()?;
         let out = self.out.as_deref().map(OutFile::check).transpose()?;
-        let mut options = self.scene.options(None);
+        let mut options = self.scene.options(None)?;
         options.kernel = self.scene.kernel.unwrap_or(Kernel::Adaptive);
         // Errors of the scene come first, also where there is no Embree.
         let (world, scene) = World::open_with_scene(&options, progress)?;

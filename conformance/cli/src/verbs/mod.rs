@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 mod auto;
+pub mod cache;
 pub mod conform;
 pub mod crosscheck;
 pub mod metadata;

@@ -1,6 +1,7 @@
 //! `saarcor reproduce`.
 
 use crate::args::SceneName;
+use crate::cache::kept_worlds;
 use crate::limits::{check_state, check_walk};
 use crate::output::{Stdout, json_line};
 use crate::progress::{Progress, Remaining};
@@ -93,7 +94,12 @@ impl Args {
         let reproduction = if let Some(own) = own {
             Reproduction::of_scene(&own, extent, progress)?
         } else {
-            let options = ReproductionOptions { extent, scenes: self.scenes, warm_up: self.warm_up };
+            let options = ReproductionOptions {
+                extent,
+                scenes: self.scenes,
+                kept: kept_worlds()?,
+                warm_up: self.warm_up,
+            };
             let remaining = Remaining::new();
             Reproduction::compute(&options, progress, &mut |part| remaining.say(part, progress))?
         };
@@ -125,7 +131,7 @@ impl Args {
         memories.dedup();
         let name = Path::new(&*text).file_stem().map_or_else(|| text.clone(), |stem| stem.to_string_lossy());
         Ok(OwnScene {
-            world: scene.world(),
+            world: scene.world()?,
             path: self.path.clone(),
             name: name.into_owned(),
             cache: with(memory)?,

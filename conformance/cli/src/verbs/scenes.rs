@@ -140,7 +140,7 @@ impl ListArgs {
 impl ShowArgs {
     fn run(self, progress: &Progress) -> Result<()> {
         // Its seconds are those of making it.
-        let world = World::open(&WorldOptions { kept: None, ..self.scene.options(None) }, progress)?;
+        let world = World::open(&WorldOptions { kept: None, ..self.scene.options(None)? }, progress)?;
         let scene = Summary::of(&world);
         let mut out = Stdout::new();
         if self.json {

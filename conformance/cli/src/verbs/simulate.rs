@@ -77,7 +77,7 @@ impl FrameArgs {
     /// # Errors
     /// Those of [`World::open`].
     pub fn world(&self, progress: &Progress) -> Result<World> {
-        Ok(World::open(&self.scene.options(Some(self.frame)), progress)?)
+        Ok(World::open(&self.scene.options(Some(self.frame))?, progress)?)
     }
 
     /// Traces the frame, and plays it on a chip whose caches the frames before have warmed, one after the other.

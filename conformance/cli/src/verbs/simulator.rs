@@ -60,7 +60,7 @@ impl SimulatorArgs {
             false => self.scenes.clone(),
         };
         for scene in scenes {
-            let world = World::open(&scene.world(), progress)?;
+            let world = World::open(&scene.world()?, progress)?;
             let scene = &*scene.text();
             let options = WalkOptions { cache: standard::cache(scene)?, cold: false, trace };
             let walk = progress.during(&format!("{scene}: walk"), |report| {

@@ -84,7 +84,7 @@ impl RecordArgs {
             Format::Csv => &["csv"],
         };
         let file = OutFile::check_or_stdout(&self.out)?.with_ending(endings)?;
-        let world = World::open(&self.scene.options(Some(self.frame)), progress)?;
+        let world = World::open(&self.scene.options(Some(self.frame))?, progress)?;
         file.check_inputs(&world.files)?;
         let options = WalkOptions { cache, cold: true, trace: self.trace.options() };
         file.write(|out| self.record(&world, &options, &mut |row| Ok(writeln!(out, "{row}")?)))

@@ -2,7 +2,7 @@
 
 #![allow(dead_code, reason = "each test file takes what it needs")]
 
-use saarcor_studies::world::kept::FOLDER;
+use saarcor_cli::cache::FOLDER;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 

@@ -229,13 +229,13 @@ impl Options {
 
     /// All rows.
     pub(super) fn rows(&self) -> Result<usize, ReproductionError> {
-        let sections = Section::all(self.scenes.as_deref())?;
+        let sections = Section::all(self.scenes.as_deref(), None)?;
         Ok(rows_in(&sections, SampleFraction::one_of(1)).len())
     }
 
     /// The rows that are drawn, as [`Measured::place`] names them.
     pub(super) fn drawn(&self) -> Result<BTreeSet<(bool, &'static str, &'static str)>, ReproductionError> {
-        let sections = Section::all(self.scenes.as_deref())?;
+        let sections = Section::all(self.scenes.as_deref(), None)?;
         let place = |(section, (_, row)): &(&Section, (usize, &'static Table2Row))| {
             (section.real, row.scene.as_str(), row.frame.as_str())
         };
@@ -256,7 +256,7 @@ pub fn measure(
     monitor: &dyn Monitor,
     report: &mut dyn FnMut(f64),
 ) -> Result<(), ReproductionError> {
-    let sections = Section::all(options.scenes.as_deref())?;
+    let sections = Section::all(options.scenes.as_deref(), None)?;
     let rows = rows_in(&sections, options.sample);
     let families: BTreeSet<(&str, bool)> = rows.iter().map(|(section, _)| section.family()).collect();
     let is_left = |section: &Section| rows.iter().any(|(other, _)| std::ptr::eq(*other, section));

@@ -1,8 +1,9 @@
 //! Judges answers about a ray by exact arithmetic.
 
 use super::rays::{Question, RayKind};
+use crate::world::Image;
 use glam::Vec3;
-use saarcor_model::host::{HostImage, Kernel};
+use saarcor_model::host::Kernel;
 use saarcor_model::rays::Ray;
 use saarcor_oracles::bvh::Bvh;
 use saarcor_oracles::embree::{Hit, distance_bound};
@@ -192,9 +193,9 @@ pub struct Judge<'a> {
 impl<'a> Judge<'a> {
     /// Of a scene with these corners, laid out as `image`.
     #[must_use]
-    pub fn new(triangles: &'a [[Vec3; 3]], image: &HostImage) -> Self {
+    pub fn new(triangles: &'a [[Vec3; 3]], image: &Image) -> Self {
         let mut places = vec![u32::MAX; triangles.len()];
-        for (place, &id) in (0..).zip(&image.triangle_ids) {
+        for (place, id) in (0..).zip(image.triangle_ids()) {
             places[id as usize] = place;
         }
         let copies = Copies::new(triangles);
@@ -364,7 +365,7 @@ impl<'a> Judge<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use saarcor_model::host::{Material, Scene, Triangle};
+    use saarcor_model::host::{HostImage, Material, Scene, Triangle};
     use saarcor_scenes::kdbuild::{BuildOptions, build};
 
     /// Triangles at z = 1 and once more, at the next f32, at 2, and without area at 0.5; each has
@@ -395,7 +396,7 @@ mod tests {
         let [model, robust, fast] =
             answers.map(|answer| answer.map(|(triangle, t)| Hit { triangle, t, u: 0.0, v: 0.0 }));
         let answers = Answers { model, any: model.is_some(), robust, fast };
-        Judge::new(&corners, &image).judged(Question { kind: RayKind::Aimed, ray }, answers)
+        Judge::new(&corners, &image.into()).judged(Question { kind: RayKind::Aimed, ray }, answers)
     }
 
     const INSIDE: [f32; 3] = [1.0, 1.0, f32::INFINITY];

@@ -10,13 +10,13 @@ pub mod rays;
 
 use crate::error::StudyError;
 use crate::monitor::Monitor;
-use crate::world::World;
+use crate::world::{Image, World};
 use glam::Vec3;
 use judge::{Answers, Class, Fault, Judge, JudgedRay};
 use rayon::prelude::*;
 use rays::{Question, RayKind, hit, traverse};
 use saarcor_fast::adaptive::FilteredIntersection;
-use saarcor_model::host::{HostImage, TRIANGLE_BYTES};
+use saarcor_model::host::TRIANGLE_BYTES;
 use saarcor_model::rays::{Hits, IntersectionUnit, Intervals, Packet, Query, Ray, StoredTriangle};
 use saarcor_model::vm::HostAddr;
 use saarcor_oracles::embree::{Embree, Hit};
@@ -181,9 +181,9 @@ pub fn crosscheck(
 
 /// The first hits by the model's triangle test among all triangles of the image, without a tree.
 #[must_use]
-pub fn search(image: &HostImage, triangles: &[[Vec3; 3]], rays: &[Ray]) -> Vec<Option<Hit>> {
+pub fn search(image: &Image, triangles: &[[Vec3; 3]], rays: &[Ray]) -> Vec<Option<Hit>> {
     let first = image.registers.triangles.0;
-    let stored = (first..).step_by(TRIANGLE_BYTES as usize).zip(&image.triangle_ids).map(|(addr, &id)| {
+    let stored = (first..).step_by(TRIANGLE_BYTES as usize).zip(image.triangle_ids()).map(|(addr, id)| {
         StoredTriangle::new(HostAddr(addr), image.registers.kernel, &triangles[id as usize])
     });
     let stored: Vec<StoredTriangle> = stored.collect();

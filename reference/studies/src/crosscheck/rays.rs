@@ -1,11 +1,11 @@
 //! The rays of a cross-check.
 
 use crate::standard::RESOLUTION;
-use crate::world::World;
+use crate::world::{Image, World};
 use glam::Vec3;
 use rayon::prelude::*;
 use saarcor_fast::adaptive::FilteredIntersection;
-use saarcor_model::host::{Aabb, HostImage};
+use saarcor_model::host::Aabb;
 use saarcor_model::rays::{Cones, Frame, Hits, Packet, Query, Ray, Traversal, shadow_ray, surfaces};
 use saarcor_model::vm::{HostAddr, Observed, WholeScene};
 use saarcor_oracles::embree::Hit;
@@ -174,7 +174,7 @@ fn packet(rays: &[Ray]) -> Packet<PACKET> {
 
 /// The chip's answer to each question: its pipeline on the image, without a cache.
 #[must_use]
-pub fn traverse(image: &HostImage, rays: &[Ray], query: Query) -> Vec<Option<Hit>> {
+pub fn traverse(image: &Image, rays: &[Ray], query: Query) -> Vec<Option<Hit>> {
     rays.par_chunks(BATCH)
         .flat_map_iter(|rays| {
             let mut memory = Observed::by_nobody(WholeScene(&image.bytes));
@@ -189,7 +189,7 @@ pub fn traverse(image: &HostImage, rays: &[Ray], query: Query) -> Vec<Option<Hit
 }
 
 /// The hit of the ray in `lane`, with the scene's number of the triangle.
-pub(super) fn hit<const N: usize>(image: &HostImage, hits: &Hits<N>, lane: usize) -> Option<Hit> {
+pub(super) fn hit<const N: usize>(image: &Image, hits: &Hits<N>, lane: usize) -> Option<Hit> {
     hits.is_hit(lane).then(|| Hit {
         triangle: image.triangle_id(HostAddr(hits.triangle[lane])),
         t: hits.t[lane],

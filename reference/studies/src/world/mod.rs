@@ -1,7 +1,11 @@
 //! A scene made ready for the chip: loaded or generated, its kd-tree built, laid out in host
 //! memory.
 
+mod image;
 pub mod kept;
+mod mapped;
+
+pub use image::Image;
 
 use crate::error::StudyError;
 use crate::monitor::Monitor;
@@ -74,7 +78,7 @@ pub struct World {
     /// Of these, triangles without area, which no image holds.
     pub degenerate: usize,
     /// The bytes in host memory.
-    pub image: HostImage,
+    pub image: Image,
     /// Facts about the kd-tree.
     pub tree: TreeFacts,
     /// What was assumed of files that are not as their formats say, a line a kind; said to the monitor.
@@ -116,16 +120,17 @@ impl World {
         monitor: &dyn Monitor,
         choose: impl FnOnce(&Self) -> Result<Kernel, StudyError>,
     ) -> Result<Self, StudyError> {
+        let started = SystemTime::now();
         let (world, made_of) = Self::find_or_make(options, monitor)?;
         let kernel = choose(&world)?;
         if kernel == options.kernel {
             return Ok(world);
         }
         let options = WorldOptions { kernel, ..options.clone() };
-        match made_of {
-            Some((scene, tree)) => Ok(Self { image: lay_out(&scene, &tree, &options, monitor)?, ..world }),
-            None => Self::open(&options, monitor),
-        }
+        let Some((scene, tree)) = made_of else { return Self::open(&options, monitor) };
+        let world = Self { image: lay_out(&scene, &tree, &options, monitor)?, ..world };
+        world.keep(&options, started, monitor);
+        Ok(world)
     }
 
     /// The world, and its scene and tree unless it was kept.
@@ -141,11 +146,16 @@ impl World {
             world.warnings.iter().for_each(|line| monitor.warn(line));
             return Ok((Self { seconds: [started.elapsed().as_secs_f64(), 0.0, 0.0], ..world }, None));
         }
-        let Construction { world, scene, tree, files } = Self::make(options, monitor)?;
-        if let Some(kept) = &options.kept {
-            kept.keep(options, now, &files, &world);
-        }
+        let (world, scene, tree) = Self::make(options, monitor)?;
+        world.keep(options, now, monitor);
         Ok((world, Some((scene, tree))))
+    }
+
+    /// Keeps the world, which was made of `options` since `started`, where they say so.
+    fn keep(&self, options: &WorldOptions, started: SystemTime, monitor: &dyn Monitor) {
+        if let Some(kept) = &options.kept {
+            monitor.during(&format!("{}: keeping it", self.name), |_| kept.keep(options, started, self));
+        }
     }
 
     /// The world, made anew, with the scene itself: its triangles in their own order.
@@ -156,10 +166,11 @@ impl World {
         options: &WorldOptions,
         monitor: &dyn Monitor,
     ) -> Result<(Self, Scene), StudyError> {
-        Self::make(options, monitor).map(|made| (made.world, made.scene))
+        Self::make(options, monitor).map(|(world, scene, _)| (world, scene))
     }
 
-    fn make(options: &WorldOptions, monitor: &dyn Monitor) -> Result<Construction, StudyError> {
+    /// A new world, with its scene and its tree.
+    fn make(options: &WorldOptions, monitor: &dyn Monitor) -> Result<(Self, Scene, KdTree), StudyError> {
         let started = Instant::now();
         let Loaded { scene, files, warnings } =
             monitor.during(&format!("{}: scene", options.scene), |_| load(options))?;
@@ -175,11 +186,11 @@ impl World {
         let world = Self {
             seconds: [loaded, built, started.elapsed().as_secs_f64()],
             warnings: warnings.iter().map(ToString::to_string).collect(),
-            files: files.clone(),
+            files,
             ..Self::of(&options.scene, &scene, &tree, image)
         };
         world.warnings.iter().for_each(|line| monitor.warn(line));
-        Ok(Construction { world, scene, tree, files })
+        Ok((world, scene, tree))
     }
 
     /// The world of no scene.
@@ -187,10 +198,10 @@ impl World {
         let scene = Scene::default();
         let tree = kdbuild::build(&scene.triangles, &options.tree, &|_| ());
         let image = HostImage::build(&scene, &tree, options.kernel)?;
-        Ok(Self::of(&options.scene, &scene, &tree, image))
+        Ok(Self::of(&options.scene, &scene, &tree, image.into()))
     }
 
-    fn of(name: &str, scene: &Scene, tree: &KdTree, image: HostImage) -> Self {
+    fn of(name: &str, scene: &Scene, tree: &KdTree, image: Image) -> Self {
         let leaves = tree.nodes.iter().filter(|node| matches!(node, Node::Leaf { .. })).count();
         Self {
             name: name.to_owned(),
@@ -207,24 +218,16 @@ impl World {
     }
 }
 
-/// A new world with its sources.
-struct Construction {
-    world: World,
-    scene: Scene,
-    tree: KdTree,
-    /// The files that the scene depends on.
-    files: Vec<PathBuf>,
-}
-
 /// The scene in host memory.
 fn lay_out(
     scene: &Scene,
     tree: &KdTree,
     options: &WorldOptions,
     monitor: &dyn Monitor,
-) -> Result<HostImage, StudyError> {
+) -> Result<Image, StudyError> {
     monitor
         .during(&format!("{}: host image", options.scene), |_| HostImage::build(scene, tree, options.kernel))
+        .map(Image::from)
         .map_err(|source| StudyError::Image { scene: options.scene.clone(), source })
 }
 
