@@ -65,6 +65,7 @@
 //! | [`requirements`] | the texts of the requirements |
 //! | [`shown`] | lines as a person sees them |
 //! | [`waive`] | failures that are known |
+//! | [`prove`] | proofs of implementations in Verilog |
 //! | [`templates`] | implementations to copy, and faults to plant into them |
 //! | [`error`] | what is wrong with input, where, and what would be right |
 
@@ -91,6 +92,7 @@ pub mod meta;
 pub mod plan;
 #[cfg(unix)]
 pub mod process;
+pub mod prove;
 pub mod report;
 pub mod requirements;
 pub mod run;
