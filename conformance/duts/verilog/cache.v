@@ -19,6 +19,13 @@ module cache #(
     output reg evicts,        // a line is evicted
     output reg [31:0] evicted,// its first host address
     output reg [31:0] card    // where the byte of `address` lies
+`ifdef SAARCOR_PROVE
+    ,                         // the state of one set, for proofs
+    input [31:0] probe,
+    output [(1 << WAY_BITS)-1:0] probe_resident,
+    output [(32 - LINE_BITS << WAY_BITS)-1:0] probe_tags,
+    output [((WAY_BITS == 0 ? 1 : WAY_BITS) << WAY_BITS)-1:0] probe_ages
+`endif
 );
     localparam WAYS = 1 << WAY_BITS;
     localparam SETS = 1 << SET_BITS;
@@ -50,6 +57,12 @@ module cache #(
     wire [WAYS-1:0] set_resident = resident[set];
     wire [WAYS*WAY_WIDTH-1:0] set_ages = ages[set];
 
+`ifdef SAARCOR_PROVE
+    assign probe_resident = resident[probe];
+    assign probe_tags = tags[probe];
+    assign probe_ages = ages[probe];
+`endif
+
     // All ways are compared at once: the one that holds the line, the lowest free one, the oldest.
     reg found, free;
     reg [WAY_WIDTH-1:0] found_way, free_way, oldest;
@@ -80,10 +93,12 @@ module cache #(
         done <= start && !reset;
         load <= 0;
         if (reset) begin
+`ifndef SAARCOR_COLD  // a proof at full size begins with a cold set: a loop over all sets is a write port a set
             for (s = 0; s < SETS; s = s + 1) begin
                 resident[s] <= 0;
                 for (w = 0; w < WAYS; w = w + 1) ages[s][w*WAY_WIDTH +: WAY_WIDTH] <= w;
             end
+`endif
         end else if (start && forget) begin
             if (found) resident[set][found_way] <= 0;
         end else if (start) begin

@@ -7,6 +7,7 @@ use crate::dut::{Dut, InProcess};
 use crate::error::Error;
 use crate::kind::{Kind, Oracle};
 use crate::kinds::{KINDS, kind_named};
+use crate::prove::config::ProveConfig;
 use crate::vm::Vm;
 use serde::Deserialize;
 use std::ffi::OsStr;
@@ -52,6 +53,8 @@ pub struct DutFile {
     /// By how many thousandths its timing may be off.
     #[serde(default)]
     pub tolerance: u32,
+    /// What a proof has to know of an implementation in Verilog.
+    pub prove: Option<ProveConfig>,
 }
 
 fn default_time_limit() -> f64 {
@@ -63,6 +66,18 @@ fn default_build_limit() -> f64 {
 }
 
 impl DutFile {
+    /// The `dut.toml` of a folder.
+    ///
+    /// # Errors
+    /// Where it cannot be read, or is wrong.
+    pub fn read(folder: &Path) -> Result<Self, Error> {
+        let path = folder.join("dut.toml");
+        let shown = path.display();
+        let text = std::fs::read_to_string(&path)
+            .map_err(Error::system(format!("{shown}: cannot be read; a folder is named that has one")))?;
+        Self::parse(&text).map_err(|wrong| wrong.within(shown.to_string()))
+    }
+
     /// The file's values.
     ///
     /// # Errors
@@ -91,6 +106,12 @@ impl DutFile {
             }
             1..=MAX_TOLERANCE => {}
             more => return Err(format!("tolerance = {more}: at most {MAX_TOLERANCE} thousandths").into()),
+        }
+        if let Some(prove) = &file.prove {
+            if file.kind != Vm.name() {
+                return Err(format!("prove: there are proofs for {} only", Vm.name()).into());
+            }
+            prove.check()?;
         }
         for (key, limit) in [("time_limit", file.time_limit), ("build_limit", file.build_limit)] {
             if !(0.001..=MAX_TIME_LIMIT).contains(&limit) {
@@ -198,9 +219,7 @@ impl Target {
         }
         let path = folder.join("dut.toml");
         let shown = path.display();
-        let text = std::fs::read_to_string(&path)
-            .map_err(Error::system(format!("{shown}: cannot be read; a folder is named that has one")))?;
-        let file = DutFile::parse(&text).map_err(|wrong| wrong.within(shown.to_string()))?;
+        let file = DutFile::read(folder)?;
         let limit = how.time_limit.unwrap_or(file.time_limit);
         let (command, library) = match (file.command, file.library) {
             (_, None) if how.takes_library => {
@@ -270,7 +289,7 @@ fn process(_: String, _: Option<PathBuf>, _: f64) -> Result<Box<dyn Dut>, Error>
 }
 
 /// Whether a program is in the path, or is a path itself, and may be executed.
-fn is_there(program: &str) -> bool {
+pub(crate) fn is_there(program: &str) -> bool {
     let path = std::env::var_os("PATH").unwrap_or_default();
     std::env::split_paths(&path)
         .map(|folder| folder.join(program))

@@ -4,6 +4,21 @@
 //! |---|---|
 //! | [`table`] | the step of one set as a table |
 //! | [`checker`] | the table in Verilog: one set, any of them |
+//! | [`config`] | the table `[prove]` of `dut.toml` |
+//! | [`harness`] | the implementation beside the checker, and what is claimed |
+//! | [`tools`] | Yosys, ABC and a solver |
+//! | [`driver`] | a proof from beginning to end |
+//! | [`report`] | what it found |
 
 pub mod checker;
+pub mod config;
+#[cfg(unix)]
+pub mod driver;
+pub mod harness;
+#[cfg(unix)]
+pub mod report;
 pub mod table;
+#[cfg(unix)]
+pub mod tools;
+#[cfg(unix)]
+mod trace;

@@ -1,0 +1,259 @@
+//! The table `[prove]` of `dut.toml`: what a proof has to know of an implementation in Verilog.
+
+use crate::error::Error;
+use crate::vm::config;
+use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+/// Most clocks to an answer, and most requests without one.
+const MAX_LATENCY: u32 = 64;
+const MAX_OUTSTANDING: u32 = 8;
+
+/// The table `[prove]`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProveConfig {
+    /// The cache that is proved, as a session's configuration.
+    pub config: String,
+    /// The top module.
+    pub top: String,
+    /// The source files, in the folder of `dut.toml`.
+    pub sources: Vec<String>,
+    /// The clock, whose rising edge counts.
+    pub clock: String,
+    /// The reset, which forgets all lines; `!NAME` where it is active low.
+    pub reset: String,
+    /// Parameters of the top module: a number, or the size that each is.
+    #[serde(default)]
+    pub parameters: BTreeMap<String, Parameter>,
+    /// Most clocks from a request to its answer.
+    #[serde(default = "one")]
+    pub latency: u32,
+    /// Most requests that are taken and not answered.
+    #[serde(default = "one")]
+    pub outstanding: u32,
+    /// Ports of a request.
+    pub request: RequestPorts,
+    /// Ports of an answer.
+    pub answer: AnswerPorts,
+    /// Ports that show the state of one set.
+    pub state: Option<StatePorts>,
+}
+
+fn one() -> u32 {
+    1
+}
+
+/// The value of a parameter.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(untagged)]
+pub enum Parameter {
+    /// A number.
+    Number(u32),
+    /// The size of that name: one of [`SIZES`].
+    Size(String),
+}
+
+/// The sizes that a parameter may be.
+pub const SIZES: [&str; 8] = ["line", "lines", "sets", "ways", "line_bits", "set_bits", "way_bits", "hash"];
+
+/// Ports of a request.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RequestPorts {
+    /// Input: there is a request.
+    pub valid: String,
+    /// Output: it is taken. None: always.
+    pub ready: Option<String>,
+    /// Input: host address, 32 bits.
+    pub address: String,
+    /// Input: the request invalidates the line.
+    pub invalidate: Option<String>,
+}
+
+/// Ports of an answer.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AnswerPorts {
+    /// Output: there is an answer, to an invalidation as well.
+    pub valid: String,
+    /// Input: it is taken. None: always.
+    pub ready: Option<String>,
+    /// Output: the line was resident.
+    pub hit: String,
+    /// Output: its way.
+    pub way: Option<String>,
+    /// Output: where the byte lies, 32 bits.
+    pub card: Option<String>,
+    /// Output: a line is evicted; judged where the line was not resident.
+    pub evicts: Option<String>,
+    /// Output: its first host address, 32 bits.
+    pub evicted: Option<String>,
+}
+
+/// Ports that show the state of one set, for a proof by induction.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StatePorts {
+    /// Input: the set.
+    pub set: String,
+    /// Output: a bit a way, whether it is resident.
+    pub resident: String,
+    /// Output: the lines of the ways, way 0 in the lowest bits.
+    pub tags: String,
+    /// Output: for LRU and FIFO, how many lines were used (loaded) after that of each way.
+    pub ages: Option<String>,
+    /// Output: for PLRU, the bits of nodes 1, 2 ..
+    pub tree: Option<String>,
+}
+
+impl ProveConfig {
+    /// The cache that is proved, where all values are legal.
+    ///
+    /// # Errors
+    /// The key that is wrong, and what would be right.
+    pub fn check(&self) -> Result<CacheConfig, Error> {
+        let cache = config::parse(&self.config).map_err(|error| error.within("prove.config"))?;
+        if cache.geometry.ways() > 8 {
+            return Err(format!(
+                "prove.config: {} ways: there are proofs for 1, 2, 4 and 8",
+                cache.geometry.ways()
+            )
+            .into());
+        }
+        if self.sources.is_empty() {
+            return Err("prove.sources: name the files of the implementation".into());
+        }
+        for (key, value, most) in
+            [("latency", self.latency, MAX_LATENCY), ("outstanding", self.outstanding, MAX_OUTSTANDING)]
+        {
+            if value == 0 || value > most {
+                return Err(format!("prove.{key} = {value}: it is a number from 1 to {most}").into());
+            }
+        }
+        for (parameter, value) in &self.parameters {
+            if let Parameter::Size(size) = value
+                && !SIZES.contains(&size.as_str())
+            {
+                return Err(format!(
+                    "prove.parameters.{parameter} = \"{size}\": a number, or one of {}",
+                    SIZES.join(", ")
+                )
+                .into());
+            }
+        }
+        let names = [&self.top, &self.clock].into_iter().chain(self.parameters.keys());
+        let ports = self.ports(&cache);
+        for name in names.map(String::as_str).chain(ports.iter().map(|port| port.name.as_str())) {
+            let is_name = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+                && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+            if !is_name {
+                return Err(format!("prove: '{name}' is no name of Verilog").into());
+            }
+        }
+        if self.answer.way.is_none() && self.answer.card.is_none() {
+            return Err("prove.answer: names neither the way nor the card address of a line".into());
+        }
+        if let Some(state) = &self.state {
+            let is_tree = cache.policy == Policy::Plru;
+            if state.tree.is_some() != is_tree || state.ages.is_some() == is_tree {
+                return Err("prove.state: shows 'tree' with PLRU, and 'ages' with LRU and FIFO".into());
+            }
+        }
+        Ok(cache)
+    }
+
+    /// Whether the number of sets can be chosen.
+    #[must_use]
+    pub fn is_sized(&self) -> bool {
+        self.parameters.values().any(|value| {
+            matches!(value, Parameter::Size(size) if ["lines", "sets", "set_bits"].contains(&size.as_str()))
+        })
+    }
+
+    /// The value of a parameter for a cache.
+    #[must_use]
+    pub fn value(&self, parameter: &Parameter, cache: &CacheConfig) -> u64 {
+        let geometry = cache.geometry;
+        match parameter {
+            Parameter::Number(number) => u64::from(*number),
+            Parameter::Size(size) => match size.as_str() {
+                "line" => geometry.line().0,
+                "lines" => geometry.lines(),
+                "sets" => geometry.sets(),
+                "ways" => u64::from(geometry.ways()),
+                "line_bits" => u64::from(geometry.line().0.trailing_zeros()),
+                "set_bits" => u64::from(geometry.set_bits()),
+                "way_bits" => u64::from(geometry.ways().trailing_zeros()),
+                _ => match cache.hash {
+                    Hash::Low => 0,
+                    Hash::AddUpper => 1,
+                    Hash::AddUpperAll => 2,
+                },
+            },
+        }
+    }
+
+    /// The ports that are named, with their directions and widths.
+    #[must_use]
+    pub fn ports(&self, cache: &CacheConfig) -> Vec<Port> {
+        let ways = cache.geometry.ways();
+        let way_bits = ways.trailing_zeros().max(1);
+        let tag_bits = 32 - cache.geometry.line().0.trailing_zeros();
+        let port = |name: &str, is_input, wire, width| Port { name: name.to_owned(), is_input, wire, width };
+        let mut ports = vec![
+            port(&self.clock, true, "clock", 1),
+            port(
+                self.reset.trim_start_matches('!'),
+                true,
+                if self.reset.starts_with('!') { "!reset" } else { "reset" },
+                1,
+            ),
+            port(&self.request.valid, true, "valid", 1),
+            port(&self.request.address, true, "dut_address", 32),
+            port(&self.answer.valid, false, "answer_valid", 1),
+            port(&self.answer.hit, false, "raw_hit", 1),
+        ];
+        let mut optional = |name: &Option<String>, is_input, wire, width| {
+            ports.extend(name.as_deref().map(|name| port(name, is_input, wire, width)));
+        };
+        optional(&self.request.ready, false, "ready", 1);
+        optional(&self.request.invalidate, true, "dut_forget", 1);
+        optional(&self.answer.ready, true, "answer_ready", 1);
+        optional(&self.answer.way, false, "raw_way", way_bits);
+        optional(&self.answer.card, false, "raw_card", 32);
+        optional(&self.answer.evicts, false, "raw_evicts", 1);
+        optional(&self.answer.evicted, false, "dut_evicted", 32);
+        if let Some(state) = &self.state {
+            optional(&Some(state.set.clone()), true, "witness", 32);
+            optional(&Some(state.resident.clone()), false, "shown_resident", ways);
+            optional(&Some(state.tags.clone()), false, "shown_tags", ways * tag_bits);
+            optional(&state.ages, false, "shown_ages", ways * way_bits);
+            optional(&state.tree, false, "shown_tree", (ways - 1).max(1));
+        }
+        ports
+    }
+}
+
+/// A port of the top module.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Port {
+    /// Its name.
+    pub name: String,
+    /// Whether it is an input.
+    pub is_input: bool,
+    /// What it is bound to.
+    pub wire: &'static str,
+    /// Its bits.
+    pub width: u32,
+}
+
+/// The cache with that many sets; its lines, ways, hash and policy stay.
+#[must_use]
+pub fn with_sets(cache: &CacheConfig, sets: u64) -> CacheConfig {
+    let line = cache.geometry.line();
+    let ways = cache.geometry.ways();
+    let memory = Bytes(sets * line.0 * u64::from(ways));
+    CacheConfig { geometry: Geometry::new(memory, line, ways).unwrap_or(cache.geometry), ..*cache }
+}

@@ -1,0 +1,59 @@
+//! The requests of a trace, read from its waves.
+
+use std::collections::BTreeMap;
+
+/// Time from one clock to the next in the waves that Yosys writes.
+const CLOCK: u64 = 10;
+
+/// The requests that the set and all others got in the first clocks, as lines of a session. The first clock is the
+/// reset that every session begins with.
+pub(super) fn requests(vcd: &str, clocks: u32) -> Vec<String> {
+    let mut names = BTreeMap::new();
+    let mut values: BTreeMap<&str, u64> = BTreeMap::new();
+    let mut requests = Vec::new();
+    let mut note = |time: u64, values: &BTreeMap<&str, u64>| {
+        let value = |name: &str| values.get(name).copied().unwrap_or_default();
+        if time == 0 || !time.is_multiple_of(CLOCK) || time / CLOCK >= u64::from(clocks) {
+            return;
+        }
+        if value("reset") == 1 {
+            requests.push("f".to_owned());
+        } else if value("accepted") == 1 {
+            let letter = if value("forget") == 1 { 'i' } else { 'r' };
+            requests.push(format!("{letter} {:x} 1", value("address")));
+        }
+    };
+    let mut time = 0;
+    for line in vcd.lines() {
+        let words: Vec<_> = line.split_whitespace().collect();
+        if let ["$var", _, _, id, name, ..] = words[..] {
+            if ["reset", "accepted", "forget", "address"].contains(&name) {
+                names.insert(id, name);
+            }
+        } else if let Some(next) = line.strip_prefix('#').and_then(|time| time.parse().ok()) {
+            note(time, &values);
+            time = next;
+        } else if let [bits, id] = words[..]
+            && let (Some(bits), Some(name)) = (bits.strip_prefix('b'), names.get(id))
+        {
+            values.insert(name, u64::from_str_radix(bits, 2).unwrap_or_default());
+        }
+    }
+    note(time, &values);
+    requests
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn requests_are_those_that_are_taken() {
+        let head = "$var wire 1 a reset $end\n$var wire 1 b accepted $end\n$var wire 1 c forget $end\n\
+                    $var wire 32 d address $end\n$var wire 32 e dut.address $end\n";
+        let waves =
+            "#0\nb1 a\nb1 b\n#10\nb0 a\nb100000 d\nb1 e\n#15\nb1 c\n#20\n#25\n#30\nb1 a\n#40\nb0 a\n#50\n";
+        assert_eq!(requests(&format!("{head}{waves}"), 4), ["r 20 1", "i 20 1", "f"]);
+        assert_eq!(requests(&format!("{head}{waves}"), 5), ["r 20 1", "i 20 1", "f", "i 20 1"]);
+    }
+}
