@@ -20,7 +20,7 @@
 //! let mut b = Traffic::of_version_b(cache, MetadataCache::STANDARD);
 //! b.access(&[7, 7, 7, 1 << 20, 7]);
 //! assert_eq!(b.counters(), a.counters());
-//! assert_eq!(b.metadata().loads, 3);
+//! assert_eq!(b.metadata().loads, 2); // one granule for each of the two sets
 //! # Ok::<(), saarcor_model::vm::GeometryError>(())
 //! ```
 
