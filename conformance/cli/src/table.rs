@@ -44,6 +44,12 @@ impl Table {
         self.rows.push(cells);
     }
 
+    /// Whether it has no rows.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
     /// The same without the columns that have no value in any row, which a dash stands for.
     #[must_use]
     pub fn without_blank_columns(self) -> Self {

@@ -88,7 +88,12 @@ module cache #(
         next_ages[way*WAY_WIDTH +: WAY_WIDTH] = 0;
     end
 
-    integer s, w;
+    // In a cold set way w has the age w.
+    reg [WAYS*WAY_WIDTH-1:0] cold_ages;
+    integer w;
+    always @* for (w = 0; w < WAYS; w = w + 1) cold_ages[w*WAY_WIDTH +: WAY_WIDTH] = w;
+
+    integer s;
     always @(posedge clock) begin
         done <= start && !reset;
         load <= 0;
@@ -96,7 +101,7 @@ module cache #(
 `ifndef SAARCOR_COLD  // a proof at full size begins with a cold set: a loop over all sets is a write port a set
             for (s = 0; s < SETS; s = s + 1) begin
                 resident[s] <= 0;
-                for (w = 0; w < WAYS; w = w + 1) ages[s][w*WAY_WIDTH +: WAY_WIDTH] <= w;
+                ages[s] <= cold_ages;
             end
 `endif
         end else if (start && forget) begin

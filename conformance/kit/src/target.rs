@@ -108,10 +108,7 @@ impl DutFile {
             more => return Err(format!("tolerance = {more}: at most {MAX_TOLERANCE} thousandths").into()),
         }
         if let Some(prove) = &file.prove {
-            if file.kind != Vm.name() {
-                return Err(format!("prove: there are proofs for {} only", Vm.name()).into());
-            }
-            prove.check()?;
+            prove.check(&file.kind)?;
         }
         for (key, limit) in [("time_limit", file.time_limit), ("build_limit", file.build_limit)] {
             if !(0.001..=MAX_TIME_LIMIT).contains(&limit) {

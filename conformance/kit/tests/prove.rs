@@ -26,13 +26,14 @@ fn proved(folder: &std::path::Path, from_ports: bool) -> Result<ProofReport, Err
     let work = tempfile::tempdir().expect("a folder");
     let asked = Asked {
         name: "template".to_owned(),
+        kind: &file.kind,
         folder,
         config: file.prove.as_ref().expect("a table [prove]"),
         work: work.path(),
         limit: Duration::from_secs(120),
         from_ports,
     };
-    prove(&asked, tools)
+    prove(&asked, tools, &|_| ())
 }
 
 /// At the paper's 8 MB and 64 MB, and from the ports alone.
@@ -42,13 +43,13 @@ fn verilog_is_proved() {
     for lines in [65_536, 524_288] {
         let folder = edited(|_, text| text.replace("lines=65536", &format!("lines={lines}")));
         let report = proved(folder.path(), false).expect("it can be judged");
-        println!("{}", report.text());
-        assert_eq!(report.verdict, ProofVerdict::Proved, "{}", report.text());
+        println!("{report:#?}");
+        assert_eq!(report.verdict, ProofVerdict::Proved, "{report:#?}");
         assert!(report.covers.len() >= 7 && report.planted.len() >= 3);
     }
     let report = proved(edited(|_, text| text).path(), true).expect("it can be judged");
-    println!("{}", report.text());
-    assert_eq!(report.verdict, ProofVerdict::Proved, "{}", report.text());
+    println!("{report:#?}");
+    assert_eq!(report.verdict, ProofVerdict::Proved, "{report:#?}");
 }
 
 #[test]
@@ -69,8 +70,8 @@ fn verilog_faults_are_refuted() {
             files.iter().find(|(file, _)| *file == name).map(|(_, text)| hash(text)).unwrap_or_default()
         });
         let report = proved(folder.path(), false).expect("it can be judged");
-        println!("{}\n{}", fault.name, report.text());
-        assert_eq!(report.verdict, ProofVerdict::Refuted, "{}: {}", fault.name, report.text());
+        println!("{}\n{report:#?}", fault.name);
+        assert_eq!(report.verdict, ProofVerdict::Refuted, "{}: {report:#?}", fault.name);
         let trace = report.trace.expect("a trace");
         assert!(!trace.requests.is_empty() && trace.requests.len() < trace.clocks as usize);
     }
@@ -95,8 +96,8 @@ fn verilog_faults_that_hide_are_refuted() {
     ] {
         let folder = edited(|_, text| text.replace(from, to));
         let report = proved(folder.path(), false).expect("it can be judged");
-        println!("{to}\n{}", report.text());
-        assert_eq!(report.verdict, ProofVerdict::Refuted, "{to}: {}", report.text());
+        println!("{to}\n{report:#?}");
+        assert_eq!(report.verdict, ProofVerdict::Refuted, "{to}: {report:#?}");
     }
 }
 
@@ -129,7 +130,7 @@ fn verilog_that_cannot_be_judged_is_an_error() {
                 let error = error.to_string();
                 assert!(error.contains(says) && error.lines().count() == 1, "{to}: {error}");
             }
-            Ok(report) => panic!("{to}: {}", report.text()),
+            Ok(report) => panic!("{to}: {report:#?}"),
         }
     }
 }
@@ -150,5 +151,5 @@ fn verilog_proofs_are_not_empty() {
     let folder =
         edited(|_, text| text.replace("    integer s, w;", "    always @* assume(0);\n    integer s, w;"));
     let report = proved(folder.path(), false).expect("it can be judged");
-    assert_eq!(report.verdict, ProofVerdict::Proved, "{}", report.text());
+    assert_eq!(report.verdict, ProofVerdict::Proved, "{report:#?}");
 }

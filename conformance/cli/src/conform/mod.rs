@@ -2,4 +2,6 @@
 
 pub mod hard;
 pub mod page;
+#[cfg(unix)]
+pub mod proof;
 pub mod text;

@@ -15,17 +15,28 @@ pub fn html(report: &ConformanceReport) -> String {
     for (caption, table) in tables(report) {
         let _ = writeln!(sections, "<div class=\"scroll\">{}</div>", table.to_html(caption));
     }
-    let notes: Vec<_> = notes(report).iter().map(|note| escaped(note)).collect();
-    let class = report.verdict.text().replace(' ', "-");
+    page(
+        &format!("Conformance of {}", report.dut),
+        report.verdict.text(),
+        &report.headline(),
+        &notes(report),
+        &format!("{failures}{sections}"),
+    )
+}
+
+/// A page with its verdict on top; what is below is HTML.
+pub(super) fn page(title: &str, verdict: &str, headline: &str, notes: &[String], below: &str) -> String {
+    let notes: Vec<_> = notes.iter().map(|note| escaped(note)).collect();
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n\
-         <title>Conformance of {}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n\
-         <h1>Conformance of {0}</h1>\n<p class=\"verdict {class}\">{}</p>\n<p>{}</p>\n{failures}{sections}\
+         <title>{}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n\
+         <h1>{0}</h1>\n<p class=\"verdict {}\">{}</p>\n<p>{}</p>\n{below}\
          </main>\n</body>\n</html>\n",
-        escaped(&report.dut),
-        escaped(&report.headline()),
+        escaped(title),
+        verdict.replace(' ', "-"),
+        escaped(headline),
         notes.join("<br>"),
     )
 }

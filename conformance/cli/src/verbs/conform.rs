@@ -1,9 +1,13 @@
 //! `saarcor conform`.
 
 mod new;
+#[cfg(unix)]
+mod prove;
 mod serve_library;
 
 use self::new::NewArgs;
+#[cfg(unix)]
+use self::prove::ProveArgs;
 use self::serve_library::ServeLibraryArgs;
 use crate::conform::{hard, page, text};
 use crate::output::{ClosedPipe, OutFile, Stdout, json_line};
@@ -54,6 +58,8 @@ pub struct Args {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Run(RunArgs),
+    #[cfg(unix)]
+    Prove(ProveArgs),
     Generate(GenerateArgs),
     Check(CheckArgs),
     List(ListArgs),
@@ -66,6 +72,8 @@ impl Args {
     pub fn run(self, progress: &Progress) -> Result<Status> {
         match self.verb {
             Verb::Run(args) => args.run(progress),
+            #[cfg(unix)]
+            Verb::Prove(args) => args.run(progress),
             Verb::Generate(args) => args.run(),
             Verb::Check(args) => args.run(),
             Verb::List(args) => args.run(),

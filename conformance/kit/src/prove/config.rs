@@ -1,7 +1,10 @@
 //! The table `[prove]` of `dut.toml`: what a proof has to know of an implementation in Verilog.
 
 use crate::error::Error;
-use crate::vm::config;
+use crate::kind::Kind as _;
+use crate::meta::config::MetaConfig;
+use crate::meta::{self, Meta};
+use crate::vm::{Vm, config};
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -14,7 +17,7 @@ const MAX_OUTSTANDING: u32 = 8;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProveConfig {
-    /// The cache that is proved, as a session's configuration.
+    /// The cache that is proved, as a configuration of the kind; it is proved as if its first five keys were all.
     pub config: String,
     /// The top module.
     pub top: String,
@@ -27,12 +30,15 @@ pub struct ProveConfig {
     /// Parameters of the top module: a number, or the size that each is.
     #[serde(default)]
     pub parameters: BTreeMap<String, Parameter>,
-    /// Most clocks from a request to its answer.
+    /// Most clocks from a request to its answer, where no answer waits to be taken; 0: in the clock of the request.
     #[serde(default = "one")]
     pub latency: u32,
     /// Most requests that are taken and not answered.
     #[serde(default = "one")]
     pub outstanding: u32,
+    /// Whether the implementation's own assertions are proved too, and help the induction; else they are left out.
+    #[serde(default)]
+    pub assertions: bool,
     /// Ports of a request.
     pub request: RequestPorts,
     /// Ports of an answer.
@@ -56,7 +62,8 @@ pub enum Parameter {
 }
 
 /// The sizes that a parameter may be.
-pub const SIZES: [&str; 8] = ["line", "lines", "sets", "ways", "line_bits", "set_bits", "way_bits", "hash"];
+pub const SIZES: [&str; 9] =
+    ["line", "lines", "sets", "ways", "line_bits", "set_bits", "way_bits", "hash", "policy"];
 
 /// Ports of a request.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
@@ -106,6 +113,23 @@ pub struct StatePorts {
     pub ages: Option<String>,
     /// Output: for PLRU, the bits of nodes 1, 2 ..
     pub tree: Option<String>,
+    /// The request that is taken and has not changed the state yet, where there can be one. None: a request changes the
+    /// state in the clock in which it is taken.
+    pub waiting: Option<WaitingPorts>,
+}
+
+/// Ports that show a request which is taken and has not changed the state yet.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WaitingPorts {
+    /// Output: there is one.
+    pub valid: String,
+    /// Output: its host address, 32 bits.
+    pub address: String,
+    /// Output: whether it invalidates.
+    pub invalidate: Option<String>,
+    /// Output: it changes the state in this clock.
+    pub commit: String,
 }
 
 impl ProveConfig {
@@ -113,8 +137,15 @@ impl ProveConfig {
     ///
     /// # Errors
     /// The key that is wrong, and what would be right.
-    pub fn check(&self) -> Result<CacheConfig, Error> {
-        let cache = config::parse(&self.config).map_err(|error| error.within("prove.config"))?;
+    pub fn check(&self, kind: &str) -> Result<CacheConfig, Error> {
+        let cache = if kind == Meta.name() {
+            meta::config::parse(&self.config).map(|config| config.cache)
+        } else if kind == Vm.name() {
+            config::parse(&self.config)
+        } else {
+            return Err(format!("kind {kind}: there are proofs of {} and {}", Vm.name(), Meta.name()).into());
+        };
+        let cache = cache.map_err(|error| error.within("prove.config"))?;
         if cache.geometry.ways() > 8 {
             return Err(format!(
                 "prove.config: {} ways: there are proofs for 1, 2, 4 and 8",
@@ -125,11 +156,11 @@ impl ProveConfig {
         if self.sources.is_empty() {
             return Err("prove.sources: name the files of the implementation".into());
         }
-        for (key, value, most) in
-            [("latency", self.latency, MAX_LATENCY), ("outstanding", self.outstanding, MAX_OUTSTANDING)]
+        for (key, value, least, most) in
+            [("latency", self.latency, 0, MAX_LATENCY), ("outstanding", self.outstanding, 1, MAX_OUTSTANDING)]
         {
-            if value == 0 || value > most {
-                return Err(format!("prove.{key} = {value}: it is a number from 1 to {most}").into());
+            if value < least || value > most {
+                return Err(format!("prove.{key} = {value}: it is a number from {least} to {most}").into());
             }
         }
         for (parameter, value) in &self.parameters {
@@ -156,12 +187,49 @@ impl ProveConfig {
             return Err("prove.answer: names neither the way nor the card address of a line".into());
         }
         if let Some(state) = &self.state {
-            let is_tree = cache.policy == Policy::Plru;
-            if state.tree.is_some() != is_tree || state.ages.is_some() == is_tree {
+            let order = if cache.policy == Policy::Plru { &state.tree } else { &state.ages };
+            if order.is_none() {
                 return Err("prove.state: shows 'tree' with PLRU, and 'ages' with LRU and FIFO".into());
+            }
+            let invalidates =
+                |request: &Option<String>| request.is_some() == self.request.invalidate.is_some();
+            if !state.waiting.as_ref().is_none_or(|waiting| invalidates(&waiting.invalidate)) {
+                return Err("prove.state.waiting: shows 'invalidate' where prove.request has it".into());
             }
         }
         Ok(cache)
+    }
+
+    /// Takes another memory and another policy.
+    ///
+    /// # Errors
+    /// Where the implementation has no parameter for it, or the size makes no cache.
+    pub fn resize(&mut self, kind: &str, memory: Option<Bytes>, policy: Option<Policy>) -> Result<(), Error> {
+        let mut cache = self.check(kind)?;
+        if let Some(memory) = memory {
+            let geometry = cache.geometry;
+            cache.geometry = Geometry::new(memory, geometry.line(), geometry.ways())
+                .map_err(|error| Error::from(error.to_string()).within("--memory"))?;
+            if !self.is_sized() && cache.geometry != geometry {
+                return Err(
+                    "--memory: no parameter of the implementation is a number of sets or lines".into()
+                );
+            }
+        }
+        if let Some(policy) = policy {
+            let is_chosen = |value: &Parameter| *value == Parameter::Size("policy".to_owned());
+            if !self.parameters.values().any(is_chosen) && policy != cache.policy {
+                return Err("--policy: no parameter of the implementation is a policy".into());
+            }
+            cache.policy = policy;
+        }
+        self.config = if kind == Meta.name() {
+            let config = meta::config::parse(&self.config)?;
+            meta::config::text(&MetaConfig { cache, ..config })
+        } else {
+            config::text(&cache)
+        };
+        self.check(kind).map(|_| ())
     }
 
     /// Whether the number of sets can be chosen.
@@ -186,6 +254,11 @@ impl ProveConfig {
                 "line_bits" => u64::from(geometry.line().0.trailing_zeros()),
                 "set_bits" => u64::from(geometry.set_bits()),
                 "way_bits" => u64::from(geometry.ways().trailing_zeros()),
+                "policy" => match cache.policy {
+                    Policy::Fifo => 0,
+                    Policy::Plru => 1,
+                    Policy::Lru => 2,
+                },
                 _ => match cache.hash {
                     Hash::Low => 0,
                     Hash::AddUpper => 1,
@@ -193,6 +266,12 @@ impl ProveConfig {
                 },
             },
         }
+    }
+
+    /// The port that is bound to a wire.
+    #[must_use]
+    pub fn port_of(&self, cache: &CacheConfig, wire: &str) -> String {
+        self.ports(cache).into_iter().find(|port| port.wire == wire).map_or(wire.to_owned(), |port| port.name)
     }
 
     /// The ports that are named, with their directions and widths.
@@ -231,6 +310,12 @@ impl ProveConfig {
             optional(&Some(state.tags.clone()), false, "shown_tags", ways * tag_bits);
             optional(&state.ages, false, "shown_ages", ways * way_bits);
             optional(&state.tree, false, "shown_tree", (ways - 1).max(1));
+            if let Some(waiting) = &state.waiting {
+                optional(&Some(waiting.valid.clone()), false, "shown_waiting", 1);
+                optional(&Some(waiting.address.clone()), false, "shown_address", 32);
+                optional(&waiting.invalidate, false, "shown_forget", 1);
+                optional(&Some(waiting.commit.clone()), false, "shown_commit", 1);
+            }
         }
         ports
     }

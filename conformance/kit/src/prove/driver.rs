@@ -1,21 +1,22 @@
-//! A proof from beginning to end: netlists, counterexamples, faults of its own, covers, induction, PDR.
+//! A proof from beginning to end: induction or PDR; else counterexamples; and what shows that a proof is not empty.
 
-use super::checker;
 use super::config::{ProveConfig, with_sets};
-use super::harness::{self, FreeInput};
+use super::harness;
+use super::netlists::{For, Netlist, Netlists, TOP, Unknown};
+use super::plant::Plan;
 use super::report::{Planted, ProofReport, ProofVerdict, Stage, Trace};
-use super::table::Table;
 use super::tools::{Tools, run};
-use super::trace;
+use super::trace::{self, Request};
 use crate::error::Error;
 use crate::kind::Kind as _;
+use crate::meta::config::MetaConfig;
+use crate::meta::{self, Meta};
 use crate::session::Session;
 use crate::target::shell_word;
 use crate::vm::{Vm, config};
 use saarcor_model::vm::CacheConfig;
-use std::fmt::Write as _;
-use std::fs;
-use std::path::{Path, PathBuf};
+use serde_json::Value;
+use std::path::Path;
 use std::time::Duration;
 
 /// Sets of the memory in which counterexamples are looked for, and of that which is proved with its reset.
@@ -23,17 +24,18 @@ const FEW_SETS: u64 = 2;
 const RESET_SETS: u64 = 32;
 /// Clocks that a search for counterexamples may reach.
 const MOST_CLOCKS: u32 = 60;
-/// Time that making netlists may take.
-const NETLIST_LIMIT: Duration = Duration::from_secs(300);
-
-/// Warnings of Yosys that say nothing about the proof: all others are errors.
-const HARMLESS: &[&str] = &["Replacing memory"];
+/// Parts of the state whose updates are dropped.
+const MOST_PARTS: usize = 4;
+/// Faults of the run's own that have to be refuted at least.
+const LEAST_PLANTED: usize = 3;
 
 /// What is proved, and how long it may take.
 #[derive(Clone, Debug)]
 pub struct Asked<'a> {
     /// The implementation as it was named.
     pub name: String,
+    /// The kind that `dut.toml` names.
+    pub kind: &'a str,
     /// The folder of `dut.toml`.
     pub folder: &'a Path,
     /// Its table `[prove]`.
@@ -50,17 +52,19 @@ pub struct Asked<'a> {
 struct Proof<'a> {
     asked: &'a Asked<'a>,
     tools: Tools,
-    table: Table,
-    sources: Vec<PathBuf>,
-    free: Vec<FreeInput>,
+    netlists: Netlists<'a>,
     report: ProofReport,
+    progress: &'a (dyn Fn(&str) + Sync),
 }
 
-/// A netlist: its name, the macros of the harness, and whether it is one for SMT.
-struct Netlist<'a> {
-    name: &'a str,
-    macros: &'a [&'a str],
-    for_smt: bool,
+/// A size that is proved by induction.
+#[derive(Clone, Copy)]
+struct Size<'a> {
+    /// The name of its netlists.
+    name: &'static str,
+    cache: &'a CacheConfig,
+    /// Whether the set is assumed to be cold, in the place of the reset.
+    is_cold: bool,
 }
 
 /// What ABC says of a netlist.
@@ -73,221 +77,135 @@ enum Found {
     Proved,
 }
 
-/// Proves an implementation, or refutes it.
+/// How an induction ends.
+struct Induction {
+    is_proved: bool,
+    says: String,
+    seconds: f64,
+}
+
+/// Proves an implementation, or refutes it; `progress` hears what is done.
 ///
 /// # Errors
 /// Where it cannot be judged: what is wrong with its sources or with `dut.toml`, and what would be right.
-pub fn prove(asked: &Asked<'_>, tools: Tools) -> Result<ProofReport, Error> {
-    let cache = asked.config.check()?;
-    let table = Table::new(cache.geometry.ways(), cache.policy)?;
-    let mut sources = Vec::new();
-    for source in &asked.config.sources {
-        let path = asked.folder.join(source);
-        let path =
-            path.canonicalize().map_err(Error::system(format!("{}: cannot be read", path.display())))?;
-        sources.push(path);
-    }
-    let report = ProofReport::new(&asked.name, &config::text(&cache), &tools);
-    let mut proof = Proof { asked, tools, table, sources, free: Vec::new(), report };
-    proof.run(&cache)?;
+pub fn prove(
+    asked: &Asked<'_>,
+    tools: Tools,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<ProofReport, Error> {
+    let cache = asked.config.check(asked.kind)?;
+    let is_sized = asked.config.is_sized();
+    let resized =
+        |sets: u64| if is_sized { with_sets(&cache, sets.min(cache.geometry.sets())) } else { cache };
+    let (few, reduced) = (resized(FEW_SETS), resized(RESET_SETS));
+    progress("Yosys reads the sources");
+    let netlists = Netlists::open(asked, &few)?;
+    let mut report = ProofReport::new(&asked.name, asked.kind, &config::text(&cache), &tools);
+    let free =
+        netlists.free.iter().map(|(name, _)| format!("the input '{name}' has any value at each clock"));
+    report.assumed.extend(free);
+    let mut proof = Proof { asked, tools, netlists, report, progress };
+    proof.run(&cache, &reduced, &few)?;
     Ok(proof.report)
 }
 
 impl Proof<'_> {
-    fn run(&mut self, cache: &CacheConfig) -> Result<(), Error> {
-        let is_sized = self.asked.config.is_sized();
-        let resized =
-            |sets: u64| if is_sized { with_sets(cache, sets.min(cache.geometry.sets())) } else { *cache };
-        let few = resized(FEW_SETS);
-        self.ports(&few)?;
-        let planted: Vec<_> = harness::planted(self.asked.config, &few).collect();
-        let mut netlists = vec![
-            Netlist { name: "claims", macros: &[], for_smt: false },
-            Netlist { name: "covers", macros: &["SAARCOR_COVER"], for_smt: false },
-        ];
-        let macros: Vec<[&str; 1]> = planted.iter().map(|(name, _)| [*name]).collect();
-        for (macros, (name, _)) in macros.iter().zip(&planted) {
-            netlists.push(Netlist { name, macros, for_smt: false });
+    fn run(&mut self, cache: &CacheConfig, reduced: &CacheConfig, few: &CacheConfig) -> Result<(), Error> {
+        let by_induction = self.asked.config.state.is_some() && !self.asked.from_ports;
+        let sizes = if by_induction { sizes(cache, reduced) } else { Vec::new() };
+        let (few_claims, inductions) = std::thread::scope(|scope| {
+            let few = scope.spawn(|| self.few(few));
+            let inductions: Result<Vec<_>, Error> = sizes.iter().map(|size| self.induction(size)).collect();
+            (few.join(), inductions)
+        });
+        let few_claims = few_claims.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        let mut is_proved = by_induction;
+        for (size, done) in sizes.iter().zip(inductions?) {
+            is_proved &= done.is_proved;
+            let says = if size.is_cold { "with a cold set" } else { "with the reset" };
+            let at = config::text(size.cache);
+            if !done.is_proved {
+                self.report.reason = format!("{says}, {at}: {}", done.says);
+            }
+            if size.is_cold {
+                self.report.assumed.push(format!(
+                    "at {at}: the set is cold in the first clock, nothing is answered then, and there is no reset"
+                ));
+            }
+            self.stage(says, at, done.says, done.seconds);
         }
-        self.netlists("few", &few, 32, &netlists)?;
-        if self.is_refuted(&few)? {
+        if !is_proved && self.is_refuted(few, &few_claims)? {
             return Ok(());
         }
-        self.covers(&few)?;
-        self.planted(&planted)?;
-        let by_induction = self.asked.config.state.is_some() && !self.asked.from_ports;
-        let is_proved = if by_induction {
-            self.induction(cache, &resized(RESET_SETS))?
-        } else {
-            self.prove_from_ports(&few)?
-        };
-        let is_empty = self.report.covers.iter().any(|(_, reached)| reached.is_none())
-            || self.report.planted.iter().any(|fault| fault.clocks.is_none());
-        self.report.verdict =
-            if is_proved && !is_empty { ProofVerdict::Proved } else { ProofVerdict::NotDecided };
-        if is_empty {
-            self.report.reason = "a fault of the run's own is not refuted, or something is never reached: what is proved may be empty".to_owned();
+        if by_induction && !is_proved && self.is_refuted_at_size(&sizes)? {
+            return Ok(());
         }
+        let is_proved = is_proved || !by_induction && self.from_ports(few)?;
+        if !is_proved {
+            return Ok(());
+        }
+        self.show_covers(few)?;
+        self.plant(few, &few_claims)?;
+        let unreached = self.report.covers.iter().find(|(_, clocks)| clocks.is_none());
+        let not_refuted = self.report.planted.iter().find(|fault| fault.clocks.is_none());
+        let planted = self.report.planted.len();
+        self.report.reason = if let Some((name, _)) = unreached {
+            format!("the proof may be empty: {name} is never reached")
+        } else if let Some(fault) = not_refuted {
+            format!("the proof may be empty: with a fault planted ({}) nothing fails", fault.says)
+        } else if planted < LEAST_PLANTED {
+            format!("the proof may be empty: only {planted} faults of {LEAST_PLANTED} could be planted")
+        } else {
+            self.report.verdict = ProofVerdict::Proved;
+            String::new()
+        };
         Ok(())
     }
 
-    /// Looks at the ports of the top module: all that are named are there, as wide as they have to be; inputs that are
-    /// not named are free.
-    fn ports(&mut self, cache: &CacheConfig) -> Result<(), Error> {
-        let config = self.asked.config;
-        let mut script = self.read_sources(true);
-        let parameters: String = config
-            .parameters
-            .iter()
-            .map(|(name, value)| format!(" -set {name} {}", config.value(value, cache)))
-            .collect();
-        if !parameters.is_empty() {
-            let _ = writeln!(script, "chparam{parameters} {}", config.top);
+    /// The netlist of the claims with few sets.
+    fn few(&self, few: &CacheConfig) -> Result<Value, Error> {
+        let claims = Netlist { name: "claims", choice: None, used_by: For::Abc };
+        self.netlists.make("few", few, 32, 0, &[claims])?;
+        let json = self.netlists.json("few-claims")?;
+        if let Some(wire) = Plan::new(&json, TOP).unknown() {
+            let port = self.asked.config.port_of(few, wire);
+            return Err(format!("port '{port}' has the value x: give it a value").into());
         }
-        let _ = writeln!(script, "hierarchy -check -top {}\nproc\nwrite_json ports.json", config.top);
-        self.yosys("ports", &script)?;
-        let path = self.asked.work.join("ports.json");
-        let text = fs::read_to_string(&path).map_err(Error::system("ports.json: cannot be read"))?;
-        let json: serde_json::Value = serde_json::from_str(&text)
-            .map_err(|error| Error::from(error.to_string()).within("ports.json"))?;
-        let modules = json["modules"].as_object().into_iter().flatten();
-        let top = modules.map(|(_, module)| module).find(|module| !module["attributes"]["top"].is_null());
-        let Some(ports) = top.and_then(|module| module["ports"].as_object()) else {
-            return Err(format!("module '{}' has no ports", config.top).into());
-        };
-        let named = config.ports(cache);
-        for port in &named {
-            let there = ports.get(&port.name).unwrap_or(&serde_json::Value::Null);
-            let direction = if port.is_input { "input" } else { "output" };
-            let width = there["bits"].as_array().map_or(0, Vec::len);
-            if there["direction"] != direction || width != port.width as usize {
-                let is = if there.is_null() {
-                    "there is none".to_owned()
-                } else {
-                    format!("it is an {} of {width}", there["direction"].as_str().unwrap_or_default())
-                };
+        Ok(json)
+    }
+
+    /// Where a counterexample of so many clocks is one only while values x are chosen against the implementation, it cannot be
+    /// judged.
+    fn check_unknown(&self, few: &Value, clocks: u32, says: &str) -> Result<(), Error> {
+        for (name, unknown) in [("few-zeros", Unknown::Zero), ("few-ones", Unknown::One)] {
+            self.netlists.make_edited(name, few, unknown)?;
+            let (found, _) = self.abc(name, &format!("bmc3 -F {clocks}"), self.asked.limit)?;
+            if matches!(found, Found::Nothing(_)) {
                 return Err(format!(
-                    "module '{}', port '{}': {is}; it has to be an {direction} of {} bits",
-                    config.top, port.name, port.width
+                    "a value x decides an answer ({says}) after {clocks} clocks: give it a value"
                 )
                 .into());
             }
         }
-        for (name, port) in ports {
-            let width = port["bits"].as_array().map_or(0, Vec::len) as u32;
-            if port["direction"] == "input" && !named.iter().any(|port| port.name == *name) {
-                self.free.push((name.clone(), width));
-                self.report.assumed.push(format!("the input '{name}' has any value at each clock"));
-            }
-        }
         Ok(())
     }
 
-    /// The commands that read the sources. What they assume or assert by themselves is taken away.
-    fn read_sources(&self, has_reset: bool) -> String {
-        let macros = if self.asked.config.state.is_some() { " -DSAARCOR_PROVE" } else { "" };
-        let cold = if has_reset { "" } else { " -DSAARCOR_COLD" };
-        let sources: Vec<_> = self.sources.iter().map(|path| format!("\"{}\"", path.display())).collect();
-        format!("read_verilog -sv{macros}{cold} {}\nchformal -remove\n", sources.join(" "))
-    }
-
-    /// Makes netlists of the implementation beside the specification.
-    fn netlists(
-        &self,
-        name: &str,
-        cache: &CacheConfig,
-        address_bits: u32,
-        netlists: &[Netlist<'_>],
-    ) -> Result<(), Error> {
-        let is_cold = netlists.iter().any(|netlist| netlist.macros.contains(&"SAARCOR_COLD"));
-        let set = format!("{name}-set.v");
-        let prove = format!("{name}-prove.v");
-        self.write(&set, &checker::verilog(cache, &self.table))?;
-        self.write(&prove, &harness::verilog(self.asked.config, cache, address_bits, &self.free))?;
-        let mut script = self.read_sources(!is_cold);
-        script.push_str("design -save sources\n");
-        for netlist in netlists {
-            let macros: String = netlist.macros.iter().map(|macro_| format!(" -D{macro_}")).collect();
-            let smt = if netlist.for_smt { " -DSAARCOR_SMT -DSAARCOR_STATE" } else { "" };
-            let to = format!("{name}-{}", netlist.name);
-            let _ = writeln!(
-                script,
-                "design -load sources\nread_verilog -sv -formal{macros}{smt} {set} {prove}\n\
-                 hierarchy -check -top saarcor_prove\nproc\nflatten\nopt_clean\ncheck -assert\nsetundef -anyseq\n\
-                 opt -keepdc -fast\n{}",
-                if netlist.for_smt {
-                    format!("memory_nordff\nasync2sync\ndffunmap\nopt_clean\nwrite_smt2 -wires {to}.smt2")
-                } else {
-                    format!(
-                        "memory -nordff\nopt -fast\ntechmap\nopt -fast\nasync2sync\ndffunmap\nopt_clean\n\
-                         abc -g AND -fast\nopt_clean\nsetundef -anyseq\n\
-                         write_aiger -I -B -zinit -no-startoffset -map {to}.aim {to}.aig"
-                    )
-                }
-            );
-        }
-        self.yosys(name, &script)
-    }
-
-    fn write(&self, name: &str, text: &str) -> Result<(), Error> {
-        let path = self.asked.work.join(name);
-        fs::write(&path, text).map_err(Error::system(format!("{}: cannot be written", path.display())))
-    }
-
-    /// Runs a script; what it warns of is an error.
-    fn yosys(&self, name: &str, script: &str) -> Result<(), Error> {
-        self.write(&format!("{name}.ys"), script)?;
-        let ran = run(&format!("yosys -q -s {name}.ys"), self.asked.work, name, NETLIST_LIMIT)?;
-        if ran.timed_out {
-            return Err(format!("Yosys makes no netlist within {} s", NETLIST_LIMIT.as_secs()).into());
-        }
-        let wrong = ran.text.lines().find(|line| line.contains("ERROR: "));
-        let wrong =
-            wrong.filter(|line| !line.contains("Found ") || !line.contains("problems in 'check -assert'"));
-        let warning = ran.text.lines().find(|line| {
-            line.contains("Warning: ") && !HARMLESS.iter().any(|harmless| line.contains(harmless))
-        });
-        match wrong.or(warning) {
-            Some(line) => Err(format!("Yosys: {}", self.shown(line)).into()),
-            None if ran.succeeded => Ok(()),
-            None => {
-                Err(format!("Yosys fails: {}", self.shown(ran.text.lines().last().unwrap_or_default()))
-                    .into())
-            }
-        }
-    }
-
-    /// A line of Yosys, with the names of sources as they were written.
-    fn shown(&self, line: &str) -> String {
-        let mut line = line.trim().to_owned();
-        for (path, name) in self.sources.iter().zip(&self.asked.config.sources) {
-            line = line.replace(&path.display().to_string(), name);
-        }
-        line
+    fn stage(&mut self, name: &str, config: String, says: String, seconds: f64) {
+        self.report.stages.push(Stage { name: name.to_owned(), config, says, seconds });
     }
 
     /// Runs ABC over a netlist.
-    fn abc(&self, netlist: &str, command: &str) -> Result<(Found, f64), Error> {
-        let script = format!("read_aiger {netlist}.aig; fold; strash; {command}; write_cex -a {netlist}.aiw");
+    fn abc(&self, netlist: &str, command: &str, limit: Duration) -> Result<(Found, f64), Error> {
+        let script = format!("read_aiger {netlist}.aig; strash; {command}; write_cex -a {netlist}.aiw");
         let command = format!("{} -c {}", self.tools.abc, shell_word(&script));
-        let ran = run(
-            &command,
-            self.asked.work,
-            &format!("{netlist}-abc"),
-            self.asked.limit + Duration::from_secs(10),
-        )?;
-        let numbers = |line: &str| -> Vec<u32> {
-            line.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok()).collect()
-        };
+        let limit = limit + Duration::from_secs(10);
+        let ran = run(&command, self.asked.work, &format!("{netlist}-abc"), limit)?;
         for line in ran.text.lines() {
             if let Some((before, after)) = line.split_once("was asserted in frame") {
-                let output =
-                    before.strip_prefix("Output ").map(numbers).and_then(|found| found.first().copied());
+                let output = before.rsplit("Output").next().map(numbers).unwrap_or_default();
                 let clocks = numbers(after).first().copied().unwrap_or_default();
-                return Ok((
-                    Found::Failure { output: output.unwrap_or_default() as usize, clocks: clocks + 1 },
-                    ran.seconds,
-                ));
+                let output = output.first().copied().unwrap_or_default() as usize;
+                return Ok((Found::Failure { output, clocks: clocks + 1 }, ran.seconds));
             }
             if line.starts_with("Property proved") {
                 return Ok((Found::Proved, ran.seconds));
@@ -298,156 +216,216 @@ impl Proof<'_> {
         Ok((Found::Nothing(reached.unwrap_or_default()), ran.seconds))
     }
 
-    fn search(&self) -> String {
-        format!("bmc3 -T {} -F {MOST_CLOCKS}", (self.asked.limit.as_secs() / 4).max(1))
+    /// A search for a failure by ABC.
+    fn search(&self, netlist: &str, limit: Duration) -> Result<(Found, f64), Error> {
+        self.abc(netlist, &format!("bmc3 -T {} -F {MOST_CLOCKS}", limit.as_secs().max(1)), limit)
     }
 
     /// Looks for a counterexample among few sets.
-    fn is_refuted(&mut self, few: &CacheConfig) -> Result<bool, Error> {
-        let (found, seconds) = self.abc("few-claims", &self.search())?;
+    fn is_refuted(&mut self, few: &CacheConfig, netlist: &Value) -> Result<bool, Error> {
+        (self.progress)("ABC looks for a counterexample");
+        let (found, seconds) = self.search("few-claims", self.asked.limit)?;
         let at = config::text(few);
         match found {
             Found::Failure { output, clocks } => {
-                let claims: Vec<_> = harness::claims(self.asked.config).collect();
-                let (claim, _, says) = claims.get(output).copied().copied().unwrap_or(("", "", "a claim"));
-                let trace = self.trace(few, clocks)?;
-                self.report.verdict = ProofVerdict::Refuted;
-                self.report.stages.push(Stage {
-                    name: "counterexample".to_owned(),
-                    config: at,
-                    says: format!("refuted after {clocks} clocks"),
-                    seconds,
-                });
-                self.report.trace =
-                    Some(Trace { claim: claim.to_owned(), says: says.to_owned(), clocks, ..trace });
+                let (claim, _, says) =
+                    harness::claims(self.asked.config).nth(output).copied().unwrap_or(("", "", "a claim"));
+                self.check_unknown(netlist, clocks, says)?;
+                self.netlists.waves("few", "few-claims")?;
+                self.refuted(few, claim, says, clocks, "trace.vcd")?;
+                self.stage("counterexample", at, format!("refuted after {clocks} clocks"), seconds);
                 Ok(true)
             }
             Found::Nothing(clocks) => {
                 self.report.reached = clocks;
-                let says = format!("none in the first {clocks} clocks");
-                self.report.stages.push(Stage {
-                    name: "counterexample".to_owned(),
-                    config: at,
-                    says,
-                    seconds,
-                });
+                self.stage("counterexample", at, format!("none in the first {clocks} clocks"), seconds);
                 Ok(false)
             }
             Found::Proved => Ok(false),
         }
     }
 
-    /// The trace that ABC found, in the implementation's own signals and as requests.
-    fn trace(&self, few: &CacheConfig, clocks: u32) -> Result<Trace, Error> {
-        let read = |name: &str| {
-            let path = self.asked.work.join(name);
-            fs::read_to_string(&path).map_err(Error::system(format!("{}: cannot be read", path.display())))
+    /// Notes a trace.
+    fn refuted(
+        &mut self,
+        cache: &CacheConfig,
+        claim: &str,
+        says: &str,
+        clocks: u32,
+        waves: &str,
+    ) -> Result<(), Error> {
+        let vcd = self.netlists.read(waves)?;
+        // The request of the last clock is judged where it is answered in its clock.
+        let judged = if self.asked.config.latency == 0 { clocks } else { clocks - 1 };
+        let requests = trace::requests(&vcd, judged);
+        let session = self.session(cache, &requests)?;
+        self.report.verdict = ProofVerdict::Refuted;
+        self.report.reason.clear();
+        self.report.trace = Some(Trace {
+            claim: claim.to_owned(),
+            says: says.to_owned(),
+            config: config::text(cache),
+            clocks,
+            requests: requests.iter().map(Request::text).collect(),
+            suite: session.to_suite(),
+            vcd: vcd.into_bytes(),
+            waves: None,
+            replay: None,
+        });
+        Ok(())
+    }
+
+    /// The session of these requests.
+    fn session(&self, cache: &CacheConfig, requests: &[Request]) -> Result<Session, Error> {
+        let is_meta = self.asked.kind == Meta.name();
+        let lines: String = requests
+            .iter()
+            .map(|request| match request {
+                Request::Reset => "flush\n".to_owned(),
+                Request::Invalidate(address) => format!("i {address:x} 1\n"),
+                Request::Read(address) if is_meta => format!("r {address:x}\n"),
+                Request::Read(address) => format!("r {address:x} 1\n"),
+            })
+            .collect();
+        let (hello, config) = if is_meta {
+            let meta = meta::config::parse(&self.asked.config.config)?;
+            (Meta.hello(), meta::config::text(&MetaConfig { cache: *cache, ..meta }))
+        } else {
+            (Vm.hello(), config::text(cache))
         };
-        // What a memory holds at first is left out: the simulation has no names for its words.
-        let map = read("few-claims.aim")?;
-        let map: Vec<_> = map.lines().filter(|line| !line.ends_with(']')).collect();
-        self.write("trace.aim", &(map.join("\n") + "\n"))?;
-        self.write("trace.aiw", &format!("1\nb0\n{}.\n", read("few-claims.aiw")?))?;
-        let mut script = self.read_sources(true);
-        script.push_str(
-            "read_verilog -sv -formal few-set.v few-prove.v\nhierarchy -check -top saarcor_prove\nproc\nflatten\nopt_clean\n\
-             sim -zinit -clock clock -r trace.aiw -map trace.aim -vcd trace.vcd\n",
+        Ok(Session::new("prove", hello, &config, lines.as_bytes()))
+    }
+
+    /// After how many clocks each output of a netlist happens; none where it does not within the time.
+    fn happens(&self, netlist: &str, outputs: usize) -> Result<(Vec<Option<u32>>, f64), Error> {
+        let limit = self.asked.limit;
+        let script = format!(
+            "read_aiger {netlist}.aig; strash; bmc3 -a -T {} -F {MOST_CLOCKS}",
+            limit.as_secs().max(1)
         );
-        self.write("trace.ys", &script)?;
-        run("yosys -q -s trace.ys", self.asked.work, "trace", NETLIST_LIMIT)?;
-        let vcd = read("trace.vcd")?;
-        let requests = trace::requests(&vcd, clocks);
-        let text: String = requests.iter().map(|request| format!("{request}\n")).collect();
-        let session = Session::new("prove", Vm.hello(), &config::text(few), text.as_bytes());
-        Ok(Trace { requests, suite: session.to_suite(), vcd: vcd.into_bytes(), ..Trace::default() })
+        let command = format!("{} -c {}", self.tools.abc, shell_word(&script));
+        let ran = run(&command, self.asked.work, &format!("{netlist}-abc"), limit + Duration::from_secs(10))?;
+        let mut clocks = vec![None; outputs];
+        for line in ran.text.lines() {
+            let Some((before, after)) = line.split_once("was asserted in frame") else { continue };
+            let output = before.rsplit("Output").next().map(numbers).unwrap_or_default();
+            let place = output.first().and_then(|&output| clocks.get_mut(output as usize));
+            if let (Some(place), Some(frame)) = (place, numbers(after).first()) {
+                *place = Some(frame + 1);
+            }
+        }
+        Ok((clocks, ran.seconds))
     }
 
     /// Each thing that has to happen can.
-    fn covers(&mut self, few: &CacheConfig) -> Result<(), Error> {
+    fn show_covers(&mut self, few: &CacheConfig) -> Result<(), Error> {
+        (self.progress)("ABC reaches what the claims are about");
+        let covers = Netlist { name: "covers", choice: Some("SAARCOR_COVER"), used_by: For::Abc };
+        self.netlists.make("few", few, 32, 0, &[covers])?;
         let names = harness::covers(self.asked.config, few.geometry.ways());
-        let limit = (self.asked.limit.as_secs() / 2).max(1);
-        let script = format!("read_aiger few-covers.aig; fold; strash; bmc3 -a -T {limit} -F {MOST_CLOCKS}");
-        let command = format!("{} -c {}", self.tools.abc, shell_word(&script));
-        let ran = run(&command, self.asked.work, "covers-abc", self.asked.limit + Duration::from_secs(10))?;
-        for (n, (name, _)) in names.into_iter().enumerate() {
-            let reached = ran.text.lines().find_map(|line| {
-                let (before, after) = line.split_once("was asserted in frame")?;
-                let output = before.trim_start().strip_prefix("Output")?.split_whitespace().next()?;
-                (output.parse() == Ok(n))
-                    .then(|| after.trim().split(|c: char| !c.is_ascii_digit()).next()?.parse::<u32>().ok())?
-            });
-            self.report.covers.push((name, reached.map(|frame| frame + 1)));
-        }
+        let (clocks, seconds) = self.happens("few-covers", names.len())?;
+        let reached = clocks.iter().flatten().count();
+        let says = format!("{reached} of {} things reached", names.len());
+        self.stage("covers", config::text(few), says, seconds);
+        self.report.covers = names.into_iter().map(|(name, _)| name).zip(clocks).collect();
         Ok(())
     }
 
-    /// Each fault that is planted is refuted.
-    fn planted(&mut self, planted: &[&(&str, &str)]) -> Result<(), Error> {
-        for (name, says) in planted {
-            let (found, seconds) = self.abc(&format!("few-{name}"), &self.search())?;
-            let clocks = match found {
-                Found::Failure { clocks, .. } => Some(clocks),
-                _ => None,
-            };
-            self.report.planted.push(Planted { says: (*says).to_owned(), clocks, seconds });
-        }
+    /// Looks whether each fault of the run's own is refuted.
+    fn plant(&mut self, few: &CacheConfig, claims: &Value) -> Result<(), Error> {
+        (self.progress)("ABC refutes faults of the run's own");
+        let limited = |plan: &Plan<'_>| Vec::from_iter(plan.parts().into_iter().take(MOST_PARTS));
+        let parts = limited(&Plan::new(claims, TOP)).len();
+        let planted = Netlist { name: "planted", choice: Some("SAARCOR_PLANTED"), used_by: For::Edit };
+        self.netlists.make("few", few, 32, parts, &[planted])?;
+        let json = self.netlists.json("few-planted")?;
+        let plan = Plan::new(&json, TOP);
+        let parts = limited(&plan);
+        let edited = plan.with_faults(&parts, harness::FIRST_PART);
+        self.netlists.make_edited("few-planted", &edited, Unknown::Any)?;
+        let at_ports = harness::planted(self.asked.config, few).into_iter().map(|(_, says)| says.to_owned());
+        let in_state = parts.iter().map(|part| format!("'{}' is never updated", part.name));
+        let faults: Vec<_> = at_ports.chain(in_state).collect();
+        let (clocks, seconds) = self.happens("few-planted", faults.len())?;
+        let refuted = clocks.iter().flatten().count();
+        let says = format!("{refuted} of {} refuted", faults.len());
+        self.stage("faults of the run's own", config::text(few), says, seconds);
+        self.report.planted =
+            faults.into_iter().zip(clocks).map(|(says, clocks)| Planted { says, clocks }).collect();
         Ok(())
     }
 
-    /// Whether it is proved by induction: with its reset at a reduced size, and with a cold set at the stated one.
-    fn induction(&mut self, cache: &CacheConfig, reduced: &CacheConfig) -> Result<bool, Error> {
-        let netlist = |macros| Netlist { name: "smt", macros, for_smt: true };
-        self.netlists("reset", reduced, 32, &[netlist(&[])])?;
-        let mut is_proved = self.by_induction("with the reset", "reset-smt", reduced)?;
-        if reduced != cache {
-            self.netlists("cold", cache, 32, &[netlist(&["SAARCOR_COLD"])])?;
-            is_proved &= self.by_induction("a cold set", "cold-smt", cache)?;
-            self.report.assumed.push(format!(
-                "at {}: the set is cold in the first clock, nothing is answered then, and there is no reset",
-                config::text(cache)
-            ));
-        }
-        Ok(is_proved)
-    }
-
-    fn by_induction(&mut self, name: &str, netlist: &str, cache: &CacheConfig) -> Result<bool, Error> {
+    /// Tries to prove a size by induction.
+    fn induction(&self, size: &Size<'_>) -> Result<Induction, Error> {
+        let Size { name, cache, is_cold } = *size;
+        (self.progress)(&format!("{}: induction", config::text(cache)));
+        let used_by = For::Solver { has_state: true, is_cold };
+        self.netlists.make(name, cache, 32, 0, &[Netlist { name: "state", choice: None, used_by }])?;
+        let netlist = format!("{name}-state");
         let clocks = self.asked.config.latency + 1;
-        let mut says = "proved by induction".to_owned();
         let mut seconds = 0.0;
-        let mut is_proved = true;
         for (step, flags, fails) in [("base", "--presat", "the first clocks"), ("step", "-i", "the step")] {
-            let command = format!(
-                "yosys-smtbmc --noprogress -s {} {flags} -t {clocks} {netlist}.smt2",
-                self.tools.solver
-            );
-            let ran = run(&command, self.asked.work, &format!("{netlist}-{step}"), self.asked.limit)?;
+            let ran = self.smtbmc(&netlist, step, &format!("{flags} -t {clocks}"))?;
             seconds += ran.seconds;
             if !ran.text.contains("Status: PASSED") {
-                is_proved = false;
                 let end = if ran.timed_out { "not done in time" } else { "not proved" };
-                says = format!("{fails} of the induction: {end}");
-                self.report.reason = format!("{name}, {}: {says}", config::text(cache));
-                break;
+                let says = format!("{fails} of the induction: {end}");
+                return Ok(Induction { is_proved: false, says, seconds });
             }
         }
-        self.report.stages.push(Stage { name: name.to_owned(), config: config::text(cache), says, seconds });
-        Ok(is_proved)
+        Ok(Induction { is_proved: true, says: "proved by induction".to_owned(), seconds })
+    }
+
+    fn smtbmc(&self, netlist: &str, step: &str, flags: &str) -> Result<super::tools::Ran, Error> {
+        let command = format!("yosys-smtbmc --noprogress -s {} {flags} {netlist}.smt2", self.tools.solver);
+        run(&command, self.asked.work, &format!("{netlist}-{step}"), self.asked.limit)
+    }
+
+    /// Looks for a counterexample in the sizes for which there is no proof: faults of large memories.
+    fn is_refuted_at_size(&mut self, sizes: &[Size<'_>]) -> Result<bool, Error> {
+        for &Size { name, cache: size, is_cold } in sizes {
+            let at = config::text(size);
+            if self.report.stages.iter().any(|stage| stage.config == at && stage.says.starts_with("proved")) {
+                continue;
+            }
+            (self.progress)(&format!("{at}: a counterexample is looked for"));
+            let used_by = For::Solver { has_state: false, is_cold };
+            self.netlists.make(name, size, 32, 0, &[Netlist { name: "claims", choice: None, used_by }])?;
+            let search = format!("-t {MOST_CLOCKS} --dump-vcd {name}.vcd");
+            let ran = self.smtbmc(&format!("{name}-claims"), "search", &search)?;
+            let failed = ran.text.lines().find_map(|line| line.split_once("Assert failed in"));
+            let step = ran.text.lines().filter_map(|line| line.split_once("in step ")).next_back();
+            let clocks = step.map_or(0, |(_, rest)| numbers(rest).first().copied().unwrap_or_default()) + 1;
+            if let Some((_, place)) = failed {
+                let all = harness::claims(self.asked.config);
+                let (claim, _, says) = all
+                    .copied()
+                    .find(|(claim, ..)| {
+                        place.contains(&format!("claim_{claim} "))
+                            || place.ends_with(&format!("claim_{claim}"))
+                    })
+                    .unwrap_or(("", "", "a claim"));
+                self.refuted(size, claim, says, clocks, &format!("{name}.vcd"))?;
+                self.stage("counterexample", at, format!("refuted after {clocks} clocks"), ran.seconds);
+                return Ok(true);
+            }
+            self.stage("counterexample", at, format!("none in the first {clocks} clocks"), ran.seconds);
+        }
+        Ok(false)
     }
 
     /// Whether it is proved from its ports alone, by PDR.
-    fn prove_from_ports(&mut self, few: &CacheConfig) -> Result<bool, Error> {
+    fn from_ports(&mut self, few: &CacheConfig) -> Result<bool, Error> {
         let geometry = few.geometry;
         let lines_of_a_set = (2 * geometry.ways()).max(4).next_power_of_two().trailing_zeros();
         let address_bits =
             (geometry.line().0.trailing_zeros() + geometry.set_bits() + lines_of_a_set).min(32);
-        self.netlists(
-            "ports",
-            few,
-            address_bits,
-            &[Netlist { name: "claims", macros: &[], for_smt: false }],
-        )?;
-        let (found, seconds) =
-            self.abc("ports-claims", &format!("pdr -T {}", self.asked.limit.as_secs().max(1)))?;
+        (self.progress)("ABC proves it from its ports");
+        let netlist = Netlist { name: "claims", choice: None, used_by: For::Abc };
+        self.netlists.make("ports", few, address_bits, 0, &[netlist])?;
+        let limit = self.asked.limit;
+        let command = format!("pdr -T {}", limit.as_secs().max(1));
+        let (found, seconds) = self.abc("ports-claims", &command, limit)?;
         let size = format!("{}, addresses of {address_bits} bits", config::text(few));
         let (is_proved, says) = match found {
             Found::Proved => (true, "proved by PDR".to_owned()),
@@ -458,12 +436,21 @@ impl Proof<'_> {
             self.report.reason = format!("from the ports alone: {says}");
         }
         self.report.assumed.push(format!("what is proved is {size}: no other size"));
-        self.report.stages.push(Stage {
-            name: "from the ports alone".to_owned(),
-            config: size,
-            says,
-            seconds,
-        });
+        self.stage("from the ports alone", size, says, seconds);
         Ok(is_proved)
     }
+}
+
+/// The sizes that are proved by induction.
+fn sizes<'a>(cache: &'a CacheConfig, reduced: &'a CacheConfig) -> Vec<Size<'a>> {
+    let mut sizes = vec![Size { name: "reset", cache: reduced, is_cold: false }];
+    if reduced != cache {
+        sizes.push(Size { name: "cold", cache, is_cold: true });
+    }
+    sizes
+}
+
+/// The numbers in a text.
+fn numbers(text: &str) -> Vec<u32> {
+    text.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok()).collect()
 }

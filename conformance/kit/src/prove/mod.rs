@@ -6,6 +6,8 @@
 //! | [`checker`] | the table in Verilog: one set, any of them |
 //! | [`config`] | the table `[prove]` of `dut.toml` |
 //! | [`harness`] | the implementation beside the checker, and what is claimed |
+//! | `netlists` | their netlists, by Yosys |
+//! | [`plant`] | faults of the run's own, which have to be refuted |
 //! | [`tools`] | Yosys, ABC and a solver |
 //! | [`driver`] | a proof from beginning to end |
 //! | [`report`] | what it found |
@@ -15,6 +17,9 @@ pub mod config;
 #[cfg(unix)]
 pub mod driver;
 pub mod harness;
+#[cfg(unix)]
+mod netlists;
+pub mod plant;
 #[cfg(unix)]
 pub mod report;
 pub mod table;

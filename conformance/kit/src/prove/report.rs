@@ -3,7 +3,6 @@
 use super::tools::Tools;
 use crate::report::SCHEMA_VERSION;
 use serde::Serialize;
-use std::fmt::Write as _;
 
 /// The verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -49,8 +48,6 @@ pub struct Planted {
     pub says: String,
     /// The clocks after which it is refuted; none where it is not.
     pub clocks: Option<u32>,
-    /// Seconds that it took.
-    pub seconds: f64,
 }
 
 /// The shortest trace that refutes a claim.
@@ -60,10 +57,16 @@ pub struct Trace {
     pub claim: String,
     /// What is wrong.
     pub says: String,
+    /// The cache, which may be smaller than the one that is asked for.
+    pub config: String,
     /// Clocks, the first being one of reset.
     pub clocks: u32,
-    /// Its requests, as lines of a session.
+    /// Its requests in words.
     pub requests: Vec<String>,
+    /// Where its waves are kept.
+    pub waves: Option<String>,
+    /// The command that replays its requests.
+    pub replay: Option<String>,
     /// The session of these requests.
     #[serde(skip)]
     pub suite: Vec<u8>,
@@ -79,6 +82,8 @@ pub struct ProofReport {
     pub schema_version: u32,
     /// The implementation.
     pub dut: String,
+    /// Its kind.
+    pub kind: String,
     /// The cache that it is to be.
     pub config: String,
     /// The verdict.
@@ -104,10 +109,11 @@ pub struct ProofReport {
 }
 
 impl ProofReport {
-    pub(super) fn new(dut: &str, config: &str, tools: &Tools) -> Self {
+    pub(super) fn new(dut: &str, kind: &str, config: &str, tools: &Tools) -> Self {
         Self {
             schema_version: SCHEMA_VERSION,
             dut: dut.to_owned(),
+            kind: kind.to_owned(),
             config: config.to_owned(),
             verdict: ProofVerdict::NotDecided,
             reason: String::new(),
@@ -123,40 +129,5 @@ impl ProofReport {
             tools: [tools.abc, tools.solver],
             trace: None,
         }
-    }
-
-    /// The report as text.
-    #[must_use]
-    pub fn text(&self) -> String {
-        let mut text = format!("{}: {}\n{}\n", self.dut, self.verdict.text(), self.config);
-        if self.verdict == ProofVerdict::NotDecided {
-            let _ = writeln!(text, "{}; no counterexample in {} clocks", self.reason, self.reached);
-        }
-        if let Some(trace) = &self.trace {
-            let _ = writeln!(text, "wrong after {} clocks: {} ({})", trace.clocks, trace.says, trace.claim);
-            for request in &trace.requests {
-                let _ = writeln!(text, "  {request}");
-            }
-        }
-        for Stage { name, config, says, seconds } in &self.stages {
-            let _ = writeln!(text, "{name}: {says}, {seconds:.1} s: {config}");
-        }
-        for (name, clocks) in &self.covers {
-            let reached =
-                clocks.map_or("never reached".to_owned(), |clocks| format!("reached after {clocks} clocks"));
-            let _ = writeln!(text, "{name}: {reached}");
-        }
-        for Planted { says, clocks, .. } in &self.planted {
-            let refuted =
-                clocks.map_or("NOT REFUTED".to_owned(), |clocks| format!("refuted after {clocks} clocks"));
-            let _ = writeln!(text, "planted, {says}: {refuted}");
-        }
-        for assumed in &self.assumed {
-            let _ = writeln!(text, "assumed: {assumed}");
-        }
-        for not in &self.not_claimed {
-            let _ = writeln!(text, "not proved: {not}");
-        }
-        text
     }
 }

@@ -8,6 +8,8 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
+/// The folder of an environment of Python in which a solver may be, beside the path.
+pub const ENVIRONMENT: &str = "target/prove/bin";
 /// Time between two looks at a program.
 const POLL: Duration = Duration::from_millis(10);
 
@@ -21,11 +23,12 @@ pub struct Tools {
 }
 
 impl Tools {
-    /// Those that are there.
+    /// Those that are in the path, or in [`ENVIRONMENT`].
     ///
     /// # Errors
     /// What is missing.
     pub fn find() -> Result<Self, Vec<&'static str>> {
+        let is_there = |program: &str| is_there(program) || Path::new(ENVIRONMENT).join(program).is_file();
         let first = |programs: &[(&str, &'static str)]| {
             programs.iter().find(|(program, _)| is_there(program)).map(|(_, name)| *name)
         };
@@ -64,6 +67,12 @@ pub(super) fn run(command: &str, folder: &Path, name: &str, limit: Duration) -> 
     let begin = Instant::now();
     let group = ProcessGroup::start(command, Some(folder), |command| {
         command.stdin(Stdio::null()).stdout(file).stderr(errors);
+        let path = std::env::var_os("PATH").unwrap_or_default();
+        let here = std::env::current_dir().map(|here| here.join(ENVIRONMENT)).into_iter();
+        // A folder whose name cannot stand in the path is left out.
+        if let Ok(path) = std::env::join_paths(std::env::split_paths(&path).chain(here)) {
+            command.env("PATH", path);
+        }
     })?;
     let end = loop {
         match group.end()? {

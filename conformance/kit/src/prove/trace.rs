@@ -5,9 +5,30 @@ use std::collections::BTreeMap;
 /// Time from one clock to the next in the waves that Yosys writes.
 const CLOCK: u64 = 10;
 
-/// The requests that the set and all others got in the first clocks, as lines of a session. The first clock is the
-/// reset that every session begins with.
-pub(super) fn requests(vcd: &str, clocks: u32) -> Vec<String> {
+/// What an implementation gets in a clock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Request {
+    /// A reset.
+    Reset,
+    /// The byte at a host address is read.
+    Read(u64),
+    /// The line of a host address is invalidated.
+    Invalidate(u64),
+}
+
+impl Request {
+    /// The request in words.
+    pub fn text(&self) -> String {
+        match self {
+            Self::Reset => "reset".to_owned(),
+            Self::Read(address) => format!("read {address:08x}"),
+            Self::Invalidate(address) => format!("invalidate {address:08x}"),
+        }
+    }
+}
+
+/// What the implementation gets in the first clocks. The first of all is the reset that every session begins with.
+pub(super) fn requests(vcd: &str, clocks: u32) -> Vec<Request> {
     let mut names = BTreeMap::new();
     let mut values: BTreeMap<&str, u64> = BTreeMap::new();
     let mut requests = Vec::new();
@@ -17,10 +38,14 @@ pub(super) fn requests(vcd: &str, clocks: u32) -> Vec<String> {
             return;
         }
         if value("reset") == 1 {
-            requests.push("f".to_owned());
+            requests.push(Request::Reset);
         } else if value("accepted") == 1 {
-            let letter = if value("forget") == 1 { 'i' } else { 'r' };
-            requests.push(format!("{letter} {:x} 1", value("address")));
+            let address = value("address");
+            requests.push(if value("forget") == 1 {
+                Request::Invalidate(address)
+            } else {
+                Request::Read(address)
+            });
         }
     };
     let mut time = 0;
@@ -49,11 +74,13 @@ mod tests {
 
     #[test]
     fn requests_are_those_that_are_taken() {
+        use Request::{Invalidate, Read, Reset};
         let head = "$var wire 1 a reset $end\n$var wire 1 b accepted $end\n$var wire 1 c forget $end\n\
                     $var wire 32 d address $end\n$var wire 32 e dut.address $end\n";
         let waves =
             "#0\nb1 a\nb1 b\n#10\nb0 a\nb100000 d\nb1 e\n#15\nb1 c\n#20\n#25\n#30\nb1 a\n#40\nb0 a\n#50\n";
-        assert_eq!(requests(&format!("{head}{waves}"), 4), ["r 20 1", "i 20 1", "f"]);
-        assert_eq!(requests(&format!("{head}{waves}"), 5), ["r 20 1", "i 20 1", "f", "i 20 1"]);
+        let all = [Read(0x20), Invalidate(0x20), Reset, Invalidate(0x20)];
+        assert_eq!(requests(&format!("{head}{waves}"), 4), all[..3]);
+        assert_eq!(requests(&format!("{head}{waves}"), 5), all);
     }
 }

@@ -1,0 +1,276 @@
+//! Netlists of an implementation beside the specification of one of its sets, by Yosys.
+
+use super::checker;
+use super::config::ProveConfig;
+use super::driver::Asked;
+use super::harness::{self, FreeInput};
+use super::table::Table;
+use super::tools::run;
+use crate::error::Error;
+use saarcor_model::vm::CacheConfig;
+use serde_json::Value;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Time that making netlists may take.
+const LIMIT: Duration = Duration::from_secs(300);
+/// The module of the harness.
+pub(super) const TOP: &str = "saarcor_prove";
+/// Warnings of Yosys that say nothing about the proof: all others are errors.
+const HARMLESS: &[&str] = &["Replacing memory"];
+
+/// What a netlist is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum For {
+    /// To be edited.
+    Edit,
+    /// ABC; it can be edited too.
+    Abc,
+    /// A solver; with claims about the state or without.
+    Solver { has_state: bool, is_cold: bool },
+}
+
+/// What a value x is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unknown {
+    /// Any value at each clock.
+    Any,
+    Zero,
+    One,
+}
+
+/// A netlist that is to be made.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Netlist<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// A macro of the harness.
+    pub choice: Option<&'a str>,
+    /// What it is for.
+    pub used_by: For,
+}
+
+/// The sources of an implementation, and what its netlists have beside it.
+pub(super) struct Netlists<'a> {
+    asked: &'a Asked<'a>,
+    sources: Vec<PathBuf>,
+    table: Table,
+    /// Inputs that are not named: each has any value at each clock.
+    pub free: Vec<FreeInput>,
+}
+
+impl<'a> Netlists<'a> {
+    /// Finds the sources, and looks at the ports of the top module.
+    pub fn open(asked: &'a Asked<'a>, cache: &CacheConfig) -> Result<Self, Error> {
+        let table = Table::new(cache.geometry.ways(), cache.policy)?;
+        let mut sources = Vec::new();
+        for source in &asked.config.sources {
+            let path = asked.folder.join(source);
+            let path =
+                path.canonicalize().map_err(Error::system(format!("{}: cannot be read", path.display())))?;
+            sources.push(path);
+        }
+        let mut netlists = Self { asked, sources, table, free: Vec::new() };
+        netlists.free = netlists.look_at_ports(cache)?;
+        Ok(netlists)
+    }
+
+    fn config(&self) -> &ProveConfig {
+        self.asked.config
+    }
+
+    /// Looks at the ports of the top module: all that are named are there, as wide as they have to be. Gives the inputs that
+    /// are not named.
+    fn look_at_ports(&self, cache: &CacheConfig) -> Result<Vec<FreeInput>, Error> {
+        let config = self.config();
+        let mut script = self.read_sources(false, false);
+        let parameters: String = config
+            .parameters
+            .iter()
+            .map(|(name, value)| format!(" -set {name} {}", config.value(value, cache)))
+            .collect();
+        if !parameters.is_empty() {
+            let _ = writeln!(script, "chparam{parameters} {}", config.top);
+        }
+        let _ = writeln!(script, "hierarchy -check -top {}\nproc\nwrite_json ports.json", config.top);
+        self.yosys("ports", &script)?;
+        let json = self.json("ports")?;
+        let modules = json["modules"].as_object().into_iter().flatten();
+        let top = modules.map(|(_, module)| module).find(|module| !module["attributes"]["top"].is_null());
+        let Some(ports) = top.and_then(|module| module["ports"].as_object()) else {
+            return Err(format!("module '{}' has no ports", config.top).into());
+        };
+        let named = config.ports(cache);
+        for port in &named {
+            let there = ports.get(&port.name).unwrap_or(&Value::Null);
+            let direction = if port.is_input { "input" } else { "output" };
+            let width = there["bits"].as_array().map_or(0, Vec::len);
+            if there["direction"] != direction || width != port.width as usize {
+                let is = if there.is_null() {
+                    "there is none".to_owned()
+                } else {
+                    format!("it is an {} of {width}", there["direction"].as_str().unwrap_or_default())
+                };
+                return Err(format!(
+                    "module '{}', port '{}': {is}; it has to be an {direction} of {} bits",
+                    config.top, port.name, port.width
+                )
+                .into());
+            }
+        }
+        let mut free = Vec::new();
+        for (name, port) in ports {
+            let width = port["bits"].as_array().map_or(0, Vec::len) as u32;
+            if port["direction"] == "input" && !named.iter().any(|port| port.name == *name) {
+                free.push((name.clone(), width));
+            }
+        }
+        Ok(free)
+    }
+
+    /// The commands that read the sources. What they assume is taken away, and what they assert where it is not asked for.
+    fn read_sources(&self, is_cold: bool, keeps_assertions: bool) -> String {
+        let macros = if self.config().state.is_some() { " -DSAARCOR_PROVE" } else { "" };
+        let cold = if is_cold { " -DSAARCOR_COLD" } else { "" };
+        let sources: Vec<_> = self.sources.iter().map(|path| format!("\"{}\"", path.display())).collect();
+        let removed = if keeps_assertions { "-assume -live -fair -cover" } else { "" };
+        format!("read_verilog -sv{macros}{cold} {}\nchformal {removed} -remove\n", sources.join(" "))
+    }
+
+    /// Makes netlists of a cache, each as `NAME-NETLIST`.
+    pub fn make(
+        &self,
+        name: &str,
+        cache: &CacheConfig,
+        address_bits: u32,
+        parts: usize,
+        netlists: &[Netlist<'_>],
+    ) -> Result<(), Error> {
+        self.write(&format!("{name}-set.v"), &checker::verilog(cache, &self.table))?;
+        let prove = harness::verilog(self.config(), cache, address_bits, &self.free, parts);
+        self.write(&format!("{name}-prove.v"), &prove)?;
+        let mut script = String::new();
+        for netlist in netlists {
+            let to = format!("{name}-{}", netlist.name);
+            let mut macros: String = netlist.choice.iter().map(|choice| format!(" -D{choice}")).collect();
+            let (mut is_cold, mut keeps_assertions) = (false, false);
+            if let For::Solver { has_state, is_cold: cold } = netlist.used_by {
+                (is_cold, keeps_assertions) = (cold, has_state && self.config().assertions);
+                macros.push_str(" -DSAARCOR_SMT");
+                macros.push_str(if has_state { " -DSAARCOR_STATE" } else { "" });
+                macros.push_str(if cold { " -DSAARCOR_COLD" } else { "" });
+            }
+            script.push_str("design -reset\n");
+            script.push_str(&self.read_sources(is_cold, keeps_assertions));
+            let _ = writeln!(
+                script,
+                "read_verilog -sv -formal{macros} {name}-set.v {name}-prove.v\nhierarchy -check -top {TOP}\nproc\nflatten\n\
+                 opt_clean\ncheck -assert\nwrite_json {to}.json\n{}{}",
+                mapped(netlist.used_by, Unknown::Any),
+                written(netlist.used_by, &to)
+            );
+        }
+        self.yosys(name, &script)
+    }
+
+    /// Makes the netlist `to` for ABC of an edited one.
+    pub fn make_edited(&self, to: &str, edited: &Value, unknown: Unknown) -> Result<(), Error> {
+        self.write(&format!("{to}-edited.json"), &edited.to_string())?;
+        let (mapped, written) = (mapped(For::Abc, unknown), written(For::Abc, to));
+        self.yosys(to, &format!("read_json {to}-edited.json\n{mapped}{written}\n"))
+    }
+
+    /// Writes the waves of a trace that ABC found, `NETLIST.aiw`, of the cache `NAME`.
+    pub fn waves(&self, name: &str, netlist: &str) -> Result<(), Error> {
+        // What a memory holds at first is left out: the simulation has no names for its words.
+        let map = self.read(&format!("{netlist}.aim"))?;
+        let map: Vec<_> = map.lines().filter(|line| !line.ends_with(']')).collect();
+        self.write("trace.aim", &(map.join("\n") + "\n"))?;
+        self.write("trace.aiw", &format!("1\nb0\n{}.\n", self.read(&format!("{netlist}.aiw"))?))?;
+        let mut script = self.read_sources(false, false);
+        let _ = writeln!(
+            script,
+            "read_verilog -sv -formal {name}-set.v {name}-prove.v\nhierarchy -check -top {TOP}\nproc\nflatten\n\
+             opt_clean\nsim -zinit -clock clock -r trace.aiw -map trace.aim -vcd trace.vcd"
+        );
+        self.write("trace.ys", &script)?;
+        run("yosys -q -s trace.ys", self.asked.work, "trace", LIMIT)?;
+        Ok(())
+    }
+
+    /// A netlist that Yosys wrote as JSON.
+    pub fn json(&self, name: &str) -> Result<Value, Error> {
+        let name = format!("{name}.json");
+        serde_json::from_str(&self.read(&name)?).map_err(|error| Error::from(error.to_string()).within(name))
+    }
+
+    pub fn read(&self, name: &str) -> Result<String, Error> {
+        let path = self.asked.work.join(name);
+        fs::read_to_string(&path).map_err(Error::system(format!("{}: cannot be read", path.display())))
+    }
+
+    fn write(&self, name: &str, text: &str) -> Result<(), Error> {
+        let path = self.asked.work.join(name);
+        fs::write(&path, text).map_err(Error::system(format!("{}: cannot be written", path.display())))
+    }
+
+    /// Runs a script; what it warns of is an error.
+    fn yosys(&self, name: &str, script: &str) -> Result<(), Error> {
+        self.write(&format!("{name}.ys"), script)?;
+        let ran = run(&format!("yosys -q -s {name}.ys"), self.asked.work, name, LIMIT)?;
+        if ran.timed_out {
+            return Err(format!("Yosys makes no netlist within {} s", LIMIT.as_secs()).into());
+        }
+        let wrong = ran.text.lines().find(|line| line.contains("ERROR: "));
+        let wrong =
+            wrong.filter(|line| !line.contains("Found ") || !line.contains("problems in 'check -assert'"));
+        let warning = ran.text.lines().find(|line| {
+            line.contains("Warning: ") && !HARMLESS.iter().any(|harmless| line.contains(harmless))
+        });
+        match wrong.or(warning) {
+            Some(line) => Err(format!("Yosys: {}", self.shown(line)).into()),
+            None if ran.succeeded => Ok(()),
+            None => {
+                Err(format!("Yosys fails: {}", self.shown(ran.text.lines().last().unwrap_or_default()))
+                    .into())
+            }
+        }
+    }
+
+    /// A text of Yosys, with the names of sources as they were written.
+    pub fn shown(&self, text: &str) -> String {
+        let mut text = text.trim().to_owned();
+        for (path, name) in self.sources.iter().zip(&self.asked.config.sources) {
+            text = text.replace(&path.display().to_string(), name);
+        }
+        text
+    }
+}
+
+/// The commands that map a netlist.
+fn mapped(used_by: For, unknown: Unknown) -> String {
+    let x = match unknown {
+        Unknown::Any => "-anyseq",
+        Unknown::Zero => "-zero",
+        Unknown::One => "-one",
+    };
+    let rest = match used_by {
+        For::Edit => return String::new(),
+        For::Abc => {
+            "memory -nordff\nopt -fast\ntechmap\nopt -fast\nasync2sync\ndffunmap\nopt_clean\nabc -g AND -fast\n"
+        }
+        For::Solver { .. } => "memory_nordff\nasync2sync\ndffunmap\n",
+    };
+    format!("setundef {x}\nopt -keepdc -fast\n{rest}opt_clean\nsetundef {x}\n")
+}
+
+/// The command that writes a netlist.
+fn written(used_by: For, to: &str) -> String {
+    match used_by {
+        For::Edit => String::new(),
+        For::Abc => format!("write_aiger -I -zinit -no-startoffset -map {to}.aim {to}.aig"),
+        For::Solver { .. } => format!("write_smt2 -wires {to}.smt2"),
+    }
+}
