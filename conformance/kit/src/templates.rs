@@ -32,6 +32,7 @@ pub const TEMPLATES: &[Template] = &[
     template!("meta": "tags.py", "dut.toml"),
     template!("chip-python": "chip.py", "caches.py", "bus.py", "memory.py", "work.py", "dut.toml"),
     template!("verilog": "cache.v", "bench.v", "serve", "dut.toml"),
+    template!("verilog-pipelined": "cache.v", "order.v", "bench.v", "serve", "dut.toml"),
     template!("rust": "Cargo.toml", "src/lib.rs", "src/main.rs", "tests/conforms.rs", "dut.toml"),
 ];
 

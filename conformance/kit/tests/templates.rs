@@ -148,16 +148,28 @@ fn python_conforms_in_some_sessions() {
     conforms(&*target.dut, &planned);
 }
 
-#[test]
-#[ignore = "needs Icarus Verilog, and takes a minute"]
-fn verilog_conforms_whatever_the_seed() {
-    let (_folder, target) = template("verilog");
+#[track_caller]
+fn verilog_conforms(name: &str) {
+    let (_folder, target) = template(name);
     let report = conforms(&*target.dut, &suite(24_000));
+    assert_eq!(report.highest, Some(Level::State));
     assert_eq!(
         report.unsupported.iter().map(|row| row.key.as_str()).collect::<Vec<_>>(),
         ["lines", "policy"]
     );
     conforms(&*target.dut, &seeds(200, 100));
+}
+
+#[test]
+#[ignore = "needs Icarus Verilog, and takes a minute"]
+fn verilog_conforms_whatever_the_seed() {
+    verilog_conforms("verilog");
+}
+
+#[test]
+#[ignore = "needs Icarus Verilog, and takes a minute"]
+fn verilog_pipelined_conforms_whatever_the_seed() {
+    verilog_conforms("verilog-pipelined");
 }
 
 #[test]
@@ -179,13 +191,34 @@ fn python_conforms_whatever_the_seed() {
     conforms(&*target.dut, &seeds(200, 500));
 }
 
+#[track_caller]
+fn can_be_synthesized(script: &str) {
+    let output = std::process::Command::new("yosys")
+        .args(["-q", "-p", script])
+        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../duts"))
+        .output()
+        .expect("Yosys is there");
+    let said = String::from_utf8_lossy(&output.stderr);
+    let is_clean = !said.contains("latch") && !said.contains("Warning");
+    assert!(output.status.success() && is_clean, "{script}: {said}");
+}
+
 #[test]
 #[ignore = "needs Yosys"]
 fn verilog_can_be_synthesized() {
-    let source = concat!(env!("CARGO_MANIFEST_DIR"), "/../duts/verilog/cache.v");
-    let script = format!("read_verilog {source}; synth -top cache; check -assert");
-    let output =
-        std::process::Command::new("yosys").args(["-q", "-p", &script]).output().expect("Yosys is there");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && !said.contains("latch"), "{said}");
+    can_be_synthesized("read_verilog verilog/cache.v; synth -top cache; check -assert");
+}
+
+/// With either policy, and with one way and one set, where no vector may be empty.
+#[test]
+#[ignore = "needs Yosys"]
+fn verilog_pipelined_can_be_synthesized() {
+    for sizes in
+        ["-set POLICY 0", "-set POLICY 1", "-set POLICY 0 -set WAY_BITS 0", "-set SET_BITS 0 -set WAY_BITS 3"]
+    {
+        can_be_synthesized(&format!(
+            "read_verilog -sv verilog-pipelined/cache.v verilog-pipelined/order.v; \
+             chparam {sizes} pipelined_cache; synth -top pipelined_cache; check -assert"
+        ));
+    }
 }
