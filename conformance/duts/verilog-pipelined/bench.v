@@ -18,7 +18,7 @@ module bench #(parameter LINE_BITS = 4, SET_BITS = 1, WAY_BITS = 2, HASH = 1, PO
     pipelined_cache #(LINE_BITS, SET_BITS, WAY_BITS, HASH, POLICY) cache(clock, reset, valid, ready, address, invalidate,
         answer_valid, answer_ready, hit, way, card, evicts, evicted);
 
-    reg [7:0] memory [0:(LINE << SET_BITS << WAY_BITS)-1];  // on-board memory
+    bit [7:0] memory [0:(LINE << SET_BITS << WAY_BITS)-1];  // on-board memory: its bytes are never unknown
 
     // Host memory: a hash table of the pages that were written to.
     reg [8*PAGE-1:0] pages [0:PAGES-1];
