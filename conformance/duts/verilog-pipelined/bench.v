@@ -23,7 +23,7 @@ module bench #(parameter LINE_BITS = 4, SET_BITS = 1, WAY_BITS = 2, HASH = 1, PO
     // Host memory: a hash table of the pages that were written to.
     reg [8*PAGE-1:0] pages [0:PAGES-1];
     reg [27:0] numbers [0:PAGES-1];
-    reg [PAGES-1:0] used = 0;
+    bit used [0:PAGES-1];
     integer at;
     task find(input [27:0] number);
         begin
@@ -43,10 +43,13 @@ module bench #(parameter LINE_BITS = 4, SET_BITS = 1, WAY_BITS = 2, HASH = 1, PO
     endtask
 
     integer i;
+    reg [8*PAGE-1:0] page;  // what is left of it
     task load_line(input [31:0] host, input [31:0] place);  // addresses of its first byte
         for (i = 0; i < LINE; i = i + 1) begin
             if (i % PAGE == 0) find(host + i >> 4);
-            memory[place + i] = used[at] ? pages[at][(host[3:0] + i) % PAGE * 8 +: 8] : 0;
+            if (i % PAGE == 0) page = used[at] ? pages[at] >> host[3:0] * 8 : 0;
+            memory[place + i] = page;
+            page = page >> 8;
         end
     endtask
 
