@@ -292,7 +292,8 @@ impl Executor<'_> {
         }
         let ConversationEnd { timeout, stderr, .. } = end;
         let lowest = scoreboard.findings().iter().min_by_key(|finding| finding.level);
-        let broken = lowest.map(|finding| requirement(&session, finding));
+        let explanations = lowest.map(|finding| scoreboard.explanations(finding)).unwrap_or_default();
+        let broken = requirement(&session, scoreboard.findings(), &explanations);
         let waiver = broken.as_ref().and_then(|broken| options.waivers.find(&session.name, broken));
         let waived = waiver.map(|waiver| waiver.reason.clone());
         if scoreboard.stage() == Stage::Ended && timeout.is_none() {
@@ -352,17 +353,95 @@ fn joined(
 
 /// The requirement that a session fails for. A directed session fails for its own, whatever differs, with these
 /// exceptions: wrong bytes, unless it is about bytes; a conversation that breaks off, unless it is about answers
-/// and their form; the bytes of an entry of metadata; and the order of free ways.
-pub(crate) fn requirement(session: &Session, finding: &Finding) -> String {
-    let own = finding.requirement.to_owned();
-    let Some(about) = session.requirement.clone() else { return own };
-    let of_bytes = finding.level == Level::Data && session.level != Some(Level::Data);
-    let breaks_off = finding.level == Level::Protocol && !(about.starts_with("P-") && own == "P-5");
-    if breaks_off || of_bytes || [ENTRY_BYTES, FREE_WAYS].contains(&&*own) { own } else { about }
+/// and their form; the bytes of an entry of metadata; the order of free ways; and where it is about invalidation, and
+/// another order of replacement alone explains all answers. A random session fails for what alone explains all.
+fn requirement(session: &Session, findings: &[Finding], explanations: &[&'static str]) -> Option<String> {
+    let lowest = findings.iter().min_by_key(|finding| finding.level)?;
+    let own = cause(findings, lowest).requirement;
+    let about = session.requirement.as_deref().unwrap_or(own);
+    let of_bytes = lowest.level == Level::Data && session.level != Some(Level::Data);
+    let breaks_off = lowest.level == Level::Protocol && !(about.starts_with("P-") && own == "P-5");
+    if breaks_off || of_bytes || own == ENTRY_BYTES {
+        return Some(own.to_owned());
+    }
+    let named = if own == FREE_WAYS { own } else { about };
+    let explained = match explanations {
+        _ if lowest.level <= Level::Data || explanations.contains(&named) => None,
+        _ if explanations.contains(&own) => Some(own),
+        [first, others @ ..] if others.iter().all(|other| other == first) => Some(*first),
+        _ => None,
+    };
+    // Directed sessions are short: more than one thing explains what they show, and each is about the likeliest.
+    let is_open = |explained: &&str| {
+        session.requirement.is_none() || named == INVALIDATION && [REPLACEMENT, FREE_WAYS].contains(explained)
+    };
+    Some(explained.filter(is_open).unwrap_or(named).to_owned())
+}
+
+/// The finding that others follow from: a line in a wrong set or way, or a wrong victim, comes before the wrong hits
+/// that it leads to.
+fn cause<'a>(findings: &'a [Finding], lowest: &'a Finding) -> &'a Finding {
+    let leads_to_hits = |finding: &&Finding| (Level::Traffic..=Level::State).contains(&finding.level);
+    match lowest.level {
+        Level::Traffic => {
+            let first = findings.iter().filter(leads_to_hits).min_by_key(|finding| finding.request);
+            first.unwrap_or(lowest)
+        }
+        _ => lowest,
+    }
 }
 
 /// The requirement of what an entry of metadata consists of.
 const ENTRY_BYTES: &str = "VM-12";
 
+/// The requirement of what an invalidation forgets.
+const INVALIDATION: &str = "VM-8";
+
+/// The requirement of which line is evicted.
+const REPLACEMENT: &str = "VM-6";
+
 /// The requirement of which free way is filled.
 const FREE_WAYS: &str = "VM-7";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_session_fails_for_what_explains_its_answers() {
+        let mut session = Session::new("x", "saarcor-vm 1", "", b"");
+        let finding = Finding {
+            level: Level::Traffic,
+            requirement: "VM-6",
+            request: Some(0),
+            asked: String::new(),
+            expected: String::new(),
+            got: String::new(),
+            says: String::new(),
+        };
+        let broken = |session: &Session, finding: &Finding, explanations: &[&'static str]| {
+            requirement(session, std::slice::from_ref(finding), explanations).expect("it fails")
+        };
+        assert_eq!(broken(&session, &finding, &["VM-7"]), "VM-7");
+        // A line in a wrong set leads to wrong hits.
+        let wrong_hit = Finding { request: Some(1), ..finding.clone() };
+        let wrong_set = Finding { level: Level::State, requirement: "VM-3", ..finding.clone() };
+        assert_eq!(requirement(&session, &[wrong_set, wrong_hit], &[]).as_deref(), Some("VM-3"));
+        session.requirement = Some("VM-8".to_owned());
+        for (explanations, named) in [
+            (&[][..], "VM-8"),
+            (&["VM-7", "VM-7"][..], "VM-7"),
+            (&["VM-7", "VM-6"][..], "VM-6"),
+            (&["VM-7", "VM-8"][..], "VM-8"),
+            // Either may be the cause.
+            (&["VM-7", "VM-3"][..], "VM-8"),
+        ] {
+            assert_eq!(broken(&session, &finding, explanations), named, "{explanations:?}");
+        }
+        // Of a hit that should miss sizes are no likelier cause.
+        assert_eq!(broken(&session, &finding, &["VM-1"]), "VM-8");
+        // Bytes and the conversation say by themselves what is broken.
+        let bytes = Finding { level: Level::Data, requirement: "VM-9", ..finding };
+        assert_eq!(broken(&session, &bytes, &["VM-7"]), "VM-9");
+    }
+}

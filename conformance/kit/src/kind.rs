@@ -101,6 +101,12 @@ pub trait Kind: Sync {
     fn comparison<'a>(&self, session: &'a Session, observes: &str)
     -> Result<Box<dyn Comparison + 'a>, Error>;
 
+    /// The requirements whose breach explains the answers to a session's first requests: of each variant of the
+    /// model that breaks one of them alone, and gives all of these answers. None where no such variant is known.
+    fn explanations(&self, _session: &Session, _observes: &str, _answers: &[&[u8]]) -> Vec<&'static str> {
+        Vec::new()
+    }
+
     /// Configurations that are simpler than one, the boldest first.
     fn simpler_configs(&self, _config: &str) -> Vec<String> {
         Vec::new()

@@ -3,7 +3,7 @@
 use crate::deadline::Deadline;
 use crate::dut::Dut;
 use crate::error::Error;
-use crate::execution::{Execution, FRESH, Run, SessionResult, requirement};
+use crate::execution::{Execution, FRESH, Run, SessionResult};
 use crate::kind::Kind;
 use crate::kinds::{KINDS, kind_of_hello};
 use crate::level::Level;
@@ -118,7 +118,8 @@ fn failure(
     if let Some(error) = trouble {
         return Err(error);
     }
-    let broken = requirement(&minimal, &finding);
+    // The whole session says more of the cause than what is left of it.
+    let broken = result.broken.clone().unwrap_or_else(|| finding.requirement.to_owned());
     Ok(Failure {
         demands: requirements::text(&broken).unwrap_or_default().to_owned(),
         requirement: broken,

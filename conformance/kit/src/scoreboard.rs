@@ -81,7 +81,16 @@ pub struct Scoreboard<'a> {
     unobserved: Vec<&'static str>,
     /// Nothing above is judged.
     highest: Level,
+    /// What the implementation observes, as it said.
+    observes: String,
+    /// The answers to the first requests, each with a newline, [`KEPT`] bytes at most.
+    kept: Vec<u8>,
+    /// How many they are.
+    kept_answers: usize,
 }
+
+/// Answers that are kept to explain what differs, in bytes: those of some ten thousand requests.
+const KEPT: usize = 1 << 19;
 
 impl<'a> Scoreboard<'a> {
     /// The scoreboard of a session up to the level `highest`, or that of the session where it is lower.
@@ -99,6 +108,9 @@ impl<'a> Scoreboard<'a> {
             offers_sessions: false,
             unobserved: Vec::new(),
             highest: session.level.map_or(highest, |level| level.min(highest)),
+            observes: String::new(),
+            kept: Vec::new(),
+            kept_answers: 0,
         }
     }
 
@@ -161,6 +173,18 @@ impl<'a> Scoreboard<'a> {
         self.comparison.as_ref().map_or(&[], |comparison| comparison.admitted())
     }
 
+    /// The requirements whose breach explains all answers up to the one of a finding; none where it is not known, or
+    /// where there were too many answers to keep them.
+    #[must_use]
+    pub fn explanations(&self, finding: &Finding) -> Vec<&'static str> {
+        let Some(request) = finding.request else { return Vec::new() };
+        if request >= self.kept_answers {
+            return Vec::new();
+        }
+        let answers: Vec<&[u8]> = self.kept.split(|&byte| byte == b'\n').take(request + 1).collect();
+        self.kind.explanations(self.session, &self.observes, &answers)
+    }
+
     /// Judges the next answer, a line without its newline, given how much of the session's text had
     /// been sent when it came.
     #[inline]
@@ -199,6 +223,11 @@ impl<'a> Scoreboard<'a> {
     #[inline]
     fn request(&mut self, request: &[u8], line: &[u8]) {
         let Some(comparison) = &mut self.comparison else { return };
+        if self.kept_answers == self.answered && self.kept.len() + line.len() < KEPT {
+            self.kept.extend_from_slice(line);
+            self.kept.push(b'\n');
+            self.kept_answers += 1;
+        }
         let mut found = None;
         let (findings, highest) = (&self.findings, self.highest);
         let compared = comparison.compare(request, line, &mut |difference| {
@@ -269,9 +298,11 @@ impl<'a> Scoreboard<'a> {
         let names = || observes.iter().flat_map(|list| list.split(','));
         let all = self.kind.observable().iter().map(|(name, _)| *name);
         self.unobserved = all.filter(|name| !names().any(|observed| observed == *name)).collect();
-        match observes.and_then(|observes| self.kind.comparison(self.session, observes)) {
-            Ok(comparison) => {
+        let comparison = observes.and_then(|list| Ok((list, self.kind.comparison(self.session, list)?)));
+        match comparison {
+            Ok((list, comparison)) => {
                 self.comparison = Some(comparison);
+                self.observes = list.to_owned();
                 self.stage = Stage::Requests;
             }
             Err(right) => {

@@ -9,6 +9,7 @@ mod random;
 pub mod request;
 mod shrink;
 mod sizes;
+mod variants;
 
 use crate::comparison::Comparison;
 use crate::coverage::Coverage;
@@ -20,7 +21,7 @@ use crate::session::Session;
 use crate::sizes::{Extent, SizedSession};
 use crate::suites;
 use oracle::ChipOracle;
-use request::Request;
+use request::{Observes, Request};
 use saarcor_fast::chip::{ChipObserver, Traffic};
 use saarcor_model::time::Span;
 use std::borrow::Cow;
@@ -108,6 +109,16 @@ impl Kind for Chip {
         observes: &str,
     ) -> Result<Box<dyn Comparison + 'a>, Error> {
         Ok(Box::new(compare::ChipComparison::new(session, observes)?))
+    }
+
+    fn explanations(&self, session: &Session, observes: &str, answers: &[&[u8]]) -> Vec<&'static str> {
+        match (config::parse(session.config()), Observes::parse(observes)) {
+            (Ok(setting), Ok(observes)) => {
+                let exchanges: Vec<_> = session.requests().zip(answers.iter().copied()).collect();
+                variants::explanations(&setting, observes, exchanges.iter().copied())
+            }
+            _ => Vec::new(),
+        }
     }
 
     fn simpler_configs(&self, config: &str) -> Vec<String> {

@@ -180,6 +180,18 @@ impl Answer {
         }
     }
 
+    /// The answer as far as it is observed.
+    #[must_use]
+    pub fn as_observed(&self, observes: Observes) -> Self {
+        Self {
+            cycles: self.cycles.filter(|_| observes.cycles),
+            pci: self.pci.filter(|_| observes.pci),
+            mem: self.mem.filter(|_| observes.mem),
+            l1: self.l1.filter(|_| observes.l1),
+            l2: self.l2.filter(|_| observes.l2),
+        }
+    }
+
     /// The answer of a line of text.
     ///
     /// # Errors

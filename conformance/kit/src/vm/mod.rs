@@ -11,6 +11,7 @@ mod random;
 pub mod request;
 pub(crate) mod sizes;
 pub mod trace;
+mod variants;
 
 use crate::comparison::Comparison;
 use crate::coverage::Coverage;
@@ -22,7 +23,7 @@ use crate::session::Session;
 use crate::sizes::{Extent, SizedSession};
 use crate::suites;
 use cache::CacheAdapter;
-use request::Request;
+use request::{Observes, Request};
 use saarcor_model::vm::{CacheConfig, HostAddr, Policy, Set};
 use std::borrow::Cow;
 
@@ -90,6 +91,16 @@ impl Kind for Vm {
         observes: &str,
     ) -> Result<Box<dyn Comparison + 'a>, Error> {
         Ok(Box::new(compare::VmComparison::new(session, observes)?))
+    }
+
+    fn explanations(&self, session: &Session, observes: &str, answers: &[&[u8]]) -> Vec<&'static str> {
+        match (config::parse(session.config()), Observes::parse(observes)) {
+            (Ok(config), Ok(observes)) => {
+                let exchanges: Vec<_> = session.requests().zip(answers.iter().copied()).collect();
+                variants::explanations(config, observes, exchanges.iter().copied())
+            }
+            _ => Vec::new(),
+        }
     }
 
     fn simpler_configs(&self, config: &str) -> Vec<String> {
