@@ -365,7 +365,9 @@ impl<'a> Judge<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::crosscheck::rays::traverse;
     use saarcor_model::host::{HostImage, Material, Scene, Triangle};
+    use saarcor_model::rays::Query;
     use saarcor_scenes::kdbuild::{BuildOptions, build};
 
     /// Triangles at z = 1 and once more, at the next f32, at 2, and without area at 0.5; each has
@@ -384,19 +386,23 @@ mod tests {
         corners
     }
 
+    fn image_of(corners: &[[Vec3; 3]], kernel: Kernel) -> Image {
+        let triangles = corners.iter().map(|&corners| Triangle { corners, material: 0 }).collect();
+        let scene = Scene { triangles, materials: vec![Material::default()], ..Scene::default() };
+        let tree = build(&scene.triangles, &BuildOptions::default(), &|_| {});
+        HostImage::build(&scene, &tree, kernel).expect("a valid tree").into()
+    }
+
     /// The case of a ray along z from (x, y, 0) up to `t_max`, with answers by triangle and
     /// distance. `kernel` is the model's.
     fn case(kernel: Kernel, [x, y, t_max]: [f32; 3], answers: [Option<(u32, f32)>; 3]) -> JudgedRay {
         let corners = corners();
-        let triangles = corners.iter().map(|&corners| Triangle { corners, material: 0 }).collect();
-        let scene = Scene { triangles, materials: vec![Material::default()], ..Scene::default() };
-        let tree = build(&scene.triangles, &BuildOptions::default(), &|_| {});
-        let image = HostImage::build(&scene, &tree, kernel).expect("a valid tree");
+        let image = image_of(&corners, kernel);
         let ray = Ray { origin: Vec3::new(x, y, 0.0), direction: Vec3::Z, t_min: 0.0, t_max };
         let [model, robust, fast] =
             answers.map(|answer| answer.map(|(triangle, t)| Hit { triangle, t, u: 0.0, v: 0.0 }));
         let answers = Answers { model, any: model.is_some(), robust, fast };
-        Judge::new(&corners, &image.into()).judged(Question { kind: RayKind::Aimed, ray }, answers)
+        Judge::new(&corners, &image).judged(Question { kind: RayKind::Aimed, ray }, answers)
     }
 
     const INSIDE: [f32; 3] = [1.0, 1.0, f32::INFINITY];
@@ -422,6 +428,34 @@ mod tests {
         let case = case(Kernel::Adaptive, INSIDE, [first; 3]);
         assert_eq!(case.truth.as_ref().map(|truth| truth.triangles.len()), Some(1));
         assert_eq!(case.row().exact, [FIRST, SAME]);
+    }
+
+    /// Thousands of coincident triangles, their corners in any order: for a ray no more than ten times as many are
+    /// judged as where they are one, and the model is right about them.
+    #[test]
+    fn coincident_triangles_cost_little_more_than_one() {
+        let [one, behind] = [FIRST, BEHIND].map(|number| corners()[number as usize]);
+        let turned = |number: usize| {
+            let [a, b, c] = one;
+            let corners = [[a, b, c], [b, c, a], [c, a, b]][number % 3];
+            if number.is_multiple_of(2) { corners } else { [corners[2], corners[1], corners[0]] }
+        };
+        let many: Vec<_> = (0..3000).map(turned).chain([behind]).collect();
+        let few = [one, behind];
+        let [image, image_of_few] = [&many[..], &few].map(|corners| image_of(corners, Kernel::Adaptive));
+        let (judge, usual) = (Judge::new(&many, &image), Judge::new(&few, &image_of_few));
+        // Inside, on an edge, and at a vertex.
+        for [x, y] in [[1.0, 1.0], [1.0, 0.0], [0.0, 0.0]] {
+            let ray =
+                Ray { origin: Vec3::new(x, y, 0.0), direction: Vec3::Z, t_min: 0.0, t_max: f32::INFINITY };
+            let judged = |judge: &Judge<'_>| judge.candidates(&ray, f64::INFINITY).count();
+            assert!(judged(&judge) <= 10 * judged(&usual), "{} of {ray:?}", judged(&judge));
+            let [model, any] =
+                [Query::Closest, Query::Any].map(|query| traverse(&image, &[ray], query).pop().flatten());
+            let answers = Answers { model, any: any.is_some(), robust: model, fast: model };
+            let case = judge.judged(Question { kind: RayKind::Aimed, ray }, answers);
+            assert_eq!((case.class, case.row().exact.len()), (Class::Agree, 3000), "{ray:?}");
+        }
     }
 
     #[test]
