@@ -118,7 +118,8 @@ pub struct StatePorts {
     pub waiting: Option<WaitingPorts>,
 }
 
-/// Ports that show a request which is taken and has not changed the state yet.
+/// Ports that show a request which is taken and has not changed the state yet. Its answer stands at the outputs from the clock
+/// on that follows its change, until it is taken.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WaitingPorts {

@@ -304,7 +304,8 @@ fn state_claims(text: &mut String, config: &ProveConfig, cache: &CacheConfig, ta
         text.push_str(
             "        state_waiting: assert(shown_waiting == (waits != 0) && waits <= 1);\n        \
              state_commit: assert(reset || !shown_commit || waits != 0);\n        \
-             state_address: assert(waits == 0 || shown_address == waiting[31:0]);\n",
+             state_address: assert(waits == 0 || shown_address == waiting[31:0]);\n        \
+             state_known: assert(reset || known == answer_valid);\n",
         );
         if waiting.invalidate.is_some() {
             text.push_str("        state_forget: assert(waits == 0 || shown_forget == waiting[32]);\n");

@@ -85,7 +85,7 @@ impl<'a> Netlists<'a> {
     /// are not named.
     fn look_at_ports(&self, cache: &CacheConfig) -> Result<Vec<FreeInput>, Error> {
         let config = self.config();
-        let mut script = self.read_sources(false, false);
+        let mut script = self.read_sources(false);
         let parameters: String = config
             .parameters
             .iter()
@@ -130,13 +130,24 @@ impl<'a> Netlists<'a> {
         Ok(free)
     }
 
-    /// The commands that read the sources. What they assume is taken away, and what they assert where it is not asked for.
-    fn read_sources(&self, is_cold: bool, keeps_assertions: bool) -> String {
+    /// The command that reads the sources.
+    fn read_sources(&self, is_cold: bool) -> String {
         let macros = if self.config().state.is_some() { " -DSAARCOR_PROVE" } else { "" };
         let cold = if is_cold { " -DSAARCOR_COLD" } else { "" };
         let sources: Vec<_> = self.sources.iter().map(|path| format!("\"{}\"", path.display())).collect();
-        let removed = if keeps_assertions { "-assume -live -fair -cover" } else { "" };
-        format!("read_verilog -sv{macros}{cold} {}\nchformal {removed} -remove\n", sources.join(" "))
+        format!("read_verilog -sv{macros}{cold} {}\n", sources.join(" "))
+    }
+
+    /// The commands that put the implementation and the specification together. What the implementation assumes is taken
+    /// away, and what it asserts where that is not asked for; in the first clock it asserts nothing.
+    fn put_together(keeps_assertions: bool) -> String {
+        let of_dut = format!("* {TOP} %d");
+        let formal = if keeps_assertions {
+            format!("chformal -assume -live -fair -cover -remove {of_dut}\nchformal -assert -skip 1 {of_dut}")
+        } else {
+            format!("chformal -remove {of_dut}")
+        };
+        format!("hierarchy -check -top {TOP}\nproc\n{formal}\nflatten\nopt_clean\n")
     }
 
     /// Makes netlists of a cache, each as `NAME-NETLIST`.
@@ -163,11 +174,11 @@ impl<'a> Netlists<'a> {
                 macros.push_str(if cold { " -DSAARCOR_COLD" } else { "" });
             }
             script.push_str("design -reset\n");
-            script.push_str(&self.read_sources(is_cold, keeps_assertions));
+            script.push_str(&self.read_sources(is_cold));
             let _ = writeln!(
                 script,
-                "read_verilog -sv -formal{macros} {name}-set.v {name}-prove.v\nhierarchy -check -top {TOP}\nproc\nflatten\n\
-                 opt_clean\ncheck -assert\nwrite_json {to}.json\n{}{}",
+                "read_verilog -sv -formal{macros} {name}-set.v {name}-prove.v\n{}check -assert\nwrite_json {to}.json\n{}{}",
+                Self::put_together(keeps_assertions),
                 mapped(netlist.used_by, Unknown::Any),
                 written(netlist.used_by, &to)
             );
@@ -189,11 +200,11 @@ impl<'a> Netlists<'a> {
         let map: Vec<_> = map.lines().filter(|line| !line.ends_with(']')).collect();
         self.write("trace.aim", &(map.join("\n") + "\n"))?;
         self.write("trace.aiw", &format!("1\nb0\n{}.\n", self.read(&format!("{netlist}.aiw"))?))?;
-        let mut script = self.read_sources(false, false);
+        let mut script = self.read_sources(false);
         let _ = writeln!(
             script,
-            "read_verilog -sv -formal {name}-set.v {name}-prove.v\nhierarchy -check -top {TOP}\nproc\nflatten\n\
-             opt_clean\nsim -zinit -clock clock -r trace.aiw -map trace.aim -vcd trace.vcd"
+            "read_verilog -sv -formal {name}-set.v {name}-prove.v\n{}sim -zinit -clock clock -r trace.aiw -map trace.aim -vcd trace.vcd",
+            Self::put_together(false)
         );
         self.write("trace.ys", &script)?;
         run("yosys -q -s trace.ys", self.asked.work, "trace", LIMIT)?;
