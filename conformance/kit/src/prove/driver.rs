@@ -2,8 +2,8 @@
 
 use super::config::{ProveConfig, with_sets};
 use super::harness;
-use super::netlists::{For, Netlist, Netlists, TOP, Unknown};
-use super::plant::{Plan, enable_reads};
+use super::netlists::{For, Netlist, Netlists, TOP};
+use super::plant::Plan;
 use super::report::{Planted, ProofReport, ProofVerdict, Stage, Trace};
 use super::tools::{Tools, run};
 use super::trace::{self, Request};
@@ -115,12 +115,21 @@ impl Proof<'_> {
         let sizes = if by_induction { sizes(cache, reduced) } else { Vec::new() };
         let (few_claims, inductions) = std::thread::scope(|scope| {
             let few = scope.spawn(|| self.few(few));
-            let inductions: Result<Vec<_>, Error> = sizes.iter().map(|size| self.induction(size)).collect();
+            let mut inductions = Vec::new();
+            for size in &sizes {
+                let done = self.induction(size);
+                let goes_on = done.as_ref().is_ok_and(|done| done.is_proved);
+                inductions.push(done);
+                if !goes_on {
+                    break;
+                }
+            }
             (few.join(), inductions)
         });
         let few_claims = few_claims.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
         let mut is_proved = by_induction;
-        for (size, done) in sizes.iter().zip(inductions?) {
+        for (size, done) in sizes.iter().zip(inductions) {
+            let done = done?;
             is_proved &= done.is_proved;
             let says = if size.is_cold { "with a cold set" } else { "with the reset" };
             let at = config::text(size.cache);
@@ -134,13 +143,15 @@ impl Proof<'_> {
             }
             self.stage(says, at, done.says, done.seconds);
         }
-        if !is_proved && self.is_refuted(few, &few_claims)? {
+        if !by_induction {
+            is_proved = self.from_ports(few)?;
+        }
+        if !is_proved && self.is_refuted(few)? {
             return Ok(());
         }
         if by_induction && !is_proved && self.is_refuted_at_size(&sizes)? {
             return Ok(());
         }
-        let is_proved = is_proved || !by_induction && self.from_ports(few)?;
         if !is_proved {
             return Ok(());
         }
@@ -172,24 +183,6 @@ impl Proof<'_> {
             return Err(format!("port '{port}' has the value x: give it a value").into());
         }
         Ok(json)
-    }
-
-    /// Where a counterexample of so many clocks is one only while values x are chosen against the implementation, it cannot be
-    /// judged.
-    fn check_unknown(&self, few: &Value, clocks: u32, says: &str) -> Result<(), Error> {
-        let mut few = few.clone();
-        enable_reads(&mut few, TOP);
-        for (name, unknown) in [("few-zeros", Unknown::Zero), ("few-ones", Unknown::One)] {
-            self.netlists.make_edited(name, &few, unknown)?;
-            let (found, _) = self.abc(name, &format!("bmc3 -F {clocks}"), self.asked.limit)?;
-            if matches!(found, Found::Nothing(_)) {
-                return Err(format!(
-                    "a value x decides an answer ({says}) after {clocks} clocks: give it a value"
-                )
-                .into());
-            }
-        }
-        Ok(())
     }
 
     fn stage(&mut self, name: &str, config: String, says: String, seconds: f64) {
@@ -224,7 +217,7 @@ impl Proof<'_> {
     }
 
     /// Looks for a counterexample among few sets.
-    fn is_refuted(&mut self, few: &CacheConfig, netlist: &Value) -> Result<bool, Error> {
+    fn is_refuted(&mut self, few: &CacheConfig) -> Result<bool, Error> {
         (self.progress)("ABC looks for a counterexample");
         let (found, seconds) = self.search("few-claims", self.asked.limit)?;
         let at = config::text(few);
@@ -232,7 +225,6 @@ impl Proof<'_> {
             Found::Failure { output, clocks } => {
                 let (claim, _, says) =
                     harness::claims(self.asked.config).nth(output).copied().unwrap_or(("", "", "a claim"));
-                self.check_unknown(netlist, clocks, says)?;
                 self.netlists.waves("few", "few-claims")?;
                 self.refuted(few, claim, says, clocks, "trace.vcd")?;
                 self.stage("counterexample", at, format!("refuted after {clocks} clocks"), seconds);
@@ -257,6 +249,18 @@ impl Proof<'_> {
         waves: &str,
     ) -> Result<(), Error> {
         let vcd = self.netlists.read(waves)?;
+        let wire = match claim {
+            "hit" => "raw_hit",
+            "way" => "raw_way",
+            "card" => "raw_card",
+            "evicts" => "raw_evicts",
+            "evicted" => "dut_evicted",
+            _ => "answer_valid",
+        };
+        if trace::is_unknown(&vcd, clocks, wire) {
+            let port = self.asked.config.port_of(cache, wire);
+            return Err(format!("port '{port}' has a value x after {clocks} clocks: give it a value").into());
+        }
         // The request of the last clock is judged where it is answered in its clock.
         let judged = if self.asked.config.latency == 0 { clocks } else { clocks - 1 };
         let requests = trace::requests(&vcd, judged);
@@ -344,7 +348,7 @@ impl Proof<'_> {
         let plan = Plan::new(&json, TOP);
         let parts = limited(&plan);
         let edited = plan.with_faults(&parts, harness::FIRST_PART);
-        self.netlists.make_edited("few-planted", &edited, Unknown::Any)?;
+        self.netlists.make_edited("few-planted", &edited)?;
         let at_ports = harness::planted(self.asked.config, few).into_iter().map(|(_, says)| says.to_owned());
         let in_state = parts.iter().map(|part| format!("'{}' is never updated", part.name));
         let faults: Vec<_> = at_ports.chain(in_state).collect();
@@ -433,38 +437,30 @@ impl Proof<'_> {
 
     /// Whether it is proved from its ports alone, by PDR.
     fn from_ports(&mut self, few: &CacheConfig) -> Result<bool, Error> {
-        let geometry = few.geometry;
-        let lines_of_a_set = (2 * geometry.ways()).max(4).next_power_of_two().trailing_zeros();
-        let address_bits =
-            (geometry.line().0.trailing_zeros() + geometry.set_bits() + lines_of_a_set).min(32);
         (self.progress)("ABC proves it from its ports");
-        let netlist = Netlist { name: "claims", choice: None, used_by: For::Abc };
-        self.netlists.make("ports", few, address_bits, 0, &[netlist])?;
         let limit = self.asked.limit;
-        let command = format!("pdr -T {}", limit.as_secs().max(1));
-        let (found, seconds) = self.abc("ports-claims", &command, limit)?;
-        let size = format!("{}, addresses of {address_bits} bits", config::text(few));
+        let (found, seconds) =
+            self.abc("few-claims", &format!("pdr -T {}", limit.as_secs().max(1)), limit)?;
         let (is_proved, says) = match found {
             Found::Proved => (true, "proved by PDR".to_owned()),
-            Found::Failure { clocks, .. } => (false, format!("fails after {clocks} clocks")),
+            Found::Failure { .. } => (false, "not proved".to_owned()),
             Found::Nothing(_) => (false, "not done in time".to_owned()),
         };
+        let at = config::text(few);
         if !is_proved {
-            self.report.reason = format!("from the ports alone: {says}");
+            self.report.reason = format!("from the ports alone, {at}: {says}");
         }
-        self.report.assumed.push(format!("what is proved is {size}: no other size"));
-        self.stage("from the ports alone", size, says, seconds);
+        self.report.assumed.push(format!("what is proved is {at}, and no other size"));
+        self.stage("from the ports alone", at, says, seconds);
         Ok(is_proved)
     }
 }
 
-/// The sizes that are proved by induction.
+/// The sizes that are proved by induction, the quickest first.
 fn sizes<'a>(cache: &'a CacheConfig, reduced: &'a CacheConfig) -> Vec<Size<'a>> {
-    let mut sizes = vec![Size { name: "reset", cache: reduced, is_cold: false }];
-    if reduced != cache {
-        sizes.push(Size { name: "cold", cache, is_cold: true });
-    }
-    sizes
+    let reset = Size { name: "reset", cache: reduced, is_cold: false };
+    let cold = Size { name: "cold", cache, is_cold: true };
+    if reduced == cache { vec![reset] } else { vec![cold, reset] }
 }
 
 /// The numbers in a text.

@@ -32,15 +32,6 @@ pub(super) enum For {
     Solver { has_state: bool, is_cold: bool },
 }
 
-/// What a value x is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Unknown {
-    /// Any value at each clock.
-    Any,
-    Zero,
-    One,
-}
-
 /// A netlist that is to be made.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Netlist<'a> {
@@ -179,7 +170,7 @@ impl<'a> Netlists<'a> {
                 script,
                 "read_verilog -sv -formal{macros} {name}-set.v {name}-prove.v\n{}check -assert\nwrite_json {to}.json\n{}{}",
                 Self::put_together(keeps_assertions),
-                mapped(netlist.used_by, Unknown::Any),
+                mapped(netlist.used_by),
                 written(netlist.used_by, &to)
             );
         }
@@ -187,9 +178,9 @@ impl<'a> Netlists<'a> {
     }
 
     /// Makes the netlist `to` for ABC of an edited one.
-    pub fn make_edited(&self, to: &str, edited: &Value, unknown: Unknown) -> Result<(), Error> {
+    pub fn make_edited(&self, to: &str, edited: &Value) -> Result<(), Error> {
         self.write(&format!("{to}-edited.json"), &edited.to_string())?;
-        let (mapped, written) = (mapped(For::Abc, unknown), written(For::Abc, to));
+        let (mapped, written) = (mapped(For::Abc), written(For::Abc, to));
         self.yosys(to, &format!("read_json {to}-edited.json\n{mapped}{written}\n"))
     }
 
@@ -260,13 +251,8 @@ impl<'a> Netlists<'a> {
     }
 }
 
-/// The commands that map a netlist.
-fn mapped(used_by: For, unknown: Unknown) -> String {
-    let x = match unknown {
-        Unknown::Any => "-anyseq",
-        Unknown::Zero => "-zero",
-        Unknown::One => "-one",
-    };
+/// The commands that map a netlist. A value x becomes any value at each clock.
+fn mapped(used_by: For) -> String {
     let rest = match used_by {
         For::Edit => return String::new(),
         For::Abc => {
@@ -274,7 +260,7 @@ fn mapped(used_by: For, unknown: Unknown) -> String {
         }
         For::Solver { .. } => "memory_nordff\nasync2sync\ndffunmap\n",
     };
-    format!("setundef {x}\nopt -keepdc -fast\n{rest}opt_clean\nsetundef {x}\n")
+    format!("setundef -anyseq\nopt -keepdc -fast\n{rest}opt_clean\nsetundef -anyseq\n")
 }
 
 /// The command that writes a netlist.

@@ -148,15 +148,6 @@ fn largest(wires: &Value) -> u64 {
     wires.flat_map(|(_, wire)| bits_of(&wire["bits"])).max().unwrap_or_default()
 }
 
-/// Reads are enabled where Yosys leaves that open, so that no value x stands there.
-pub fn enable_reads(netlist: &mut Value, top: &str) {
-    let cells = netlist["modules"][top]["cells"].as_object_mut().into_iter().flatten();
-    for (_, cell) in cells.filter(|(_, cell)| kind(cell).starts_with("$memrd")) {
-        cell["connections"]["EN"] = json!(["1"]);
-        cell["connections"]["CLK"] = json!(["0"]);
-    }
-}
-
 fn kind(cell: &Value) -> &str {
     cell["type"].as_str().unwrap_or_default()
 }

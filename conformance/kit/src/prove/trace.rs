@@ -29,12 +29,11 @@ impl Request {
 
 /// What the implementation gets in the first clocks. The first of all is the reset that every session begins with.
 pub(super) fn requests(vcd: &str, clocks: u32) -> Vec<Request> {
-    let mut names = BTreeMap::new();
-    let mut values: BTreeMap<&str, u64> = BTreeMap::new();
     let mut requests = Vec::new();
-    let mut note = |time: u64, values: &BTreeMap<&str, u64>| {
-        let value = |name: &str| values.get(name).copied().unwrap_or_default();
-        if time == 0 || !time.is_multiple_of(CLOCK) || time / CLOCK >= u64::from(clocks) {
+    at_clocks(vcd, &["reset", "accepted", "forget", "address"], |clock, values| {
+        let value =
+            |name: &str| values.get(name).and_then(|bits| u64::from_str_radix(bits, 2).ok()).unwrap_or(0);
+        if clock == 0 || clock >= u64::from(clocks) {
             return;
         }
         if value("reset") == 1 {
@@ -47,12 +46,35 @@ pub(super) fn requests(vcd: &str, clocks: u32) -> Vec<Request> {
                 Request::Read(address)
             });
         }
+    });
+    requests
+}
+
+/// Whether a wire has a value x in the last of so many clocks.
+pub(super) fn is_unknown(vcd: &str, clocks: u32, wire: &str) -> bool {
+    let mut is_unknown = false;
+    at_clocks(vcd, &[wire], |clock, values| {
+        if clock + 1 == u64::from(clocks) {
+            is_unknown = values.get(wire).is_some_and(|bits| bits.contains('x'));
+        }
+    });
+    is_unknown
+}
+
+/// Calls `note` at each clock, with the values of some wires.
+fn at_clocks(vcd: &str, wires: &[&str], mut note: impl FnMut(u64, &BTreeMap<&str, &str>)) {
+    let mut names = BTreeMap::new();
+    let mut values: BTreeMap<&str, &str> = BTreeMap::new();
+    let mut note = |time: u64, values: &BTreeMap<&str, &str>| {
+        if time.is_multiple_of(CLOCK) {
+            note(time / CLOCK, values);
+        }
     };
     let mut time = 0;
     for line in vcd.lines() {
         let words: Vec<_> = line.split_whitespace().collect();
         if let ["$var", _, _, id, name, ..] = words[..] {
-            if ["reset", "accepted", "forget", "address"].contains(&name) {
+            if wires.contains(&name) {
                 names.insert(id, name);
             }
         } else if let Some(next) = line.strip_prefix('#').and_then(|time| time.parse().ok()) {
@@ -61,11 +83,10 @@ pub(super) fn requests(vcd: &str, clocks: u32) -> Vec<Request> {
         } else if let [bits, id] = words[..]
             && let (Some(bits), Some(name)) = (bits.strip_prefix('b'), names.get(id))
         {
-            values.insert(name, u64::from_str_radix(bits, 2).unwrap_or_default());
+            values.insert(name, bits);
         }
     }
     note(time, &values);
-    requests
 }
 
 #[cfg(test)]
@@ -82,5 +103,7 @@ mod tests {
         let all = [Read(0x20), Invalidate(0x20), Reset, Invalidate(0x20)];
         assert_eq!(requests(&format!("{head}{waves}"), 4), all[..3]);
         assert_eq!(requests(&format!("{head}{waves}"), 5), all);
+        let last = format!("{head}{waves}b0x10 d\n");
+        assert!(is_unknown(&last, 6, "address") && !is_unknown(&last, 5, "address"));
     }
 }
