@@ -3,7 +3,7 @@
 use super::config::{ProveConfig, with_sets};
 use super::harness;
 use super::netlists::{For, Netlist, Netlists, TOP};
-use super::plant::Plan;
+use super::plant::{Plan, settle_writes};
 use super::report::{Planted, ProofReport, ProofVerdict, Stage, Trace};
 use super::tools::{Tools, run};
 use super::trace::{self, Request};
@@ -144,7 +144,7 @@ impl Proof<'_> {
             self.stage(says, at, done.says, done.seconds);
         }
         if !by_induction {
-            is_proved = self.from_ports(few)?;
+            is_proved = self.prove_from_ports(few)?;
         }
         if !is_proved && self.is_refuted(few)? {
             return Ok(());
@@ -347,8 +347,9 @@ impl Proof<'_> {
         let json = self.netlists.json("few-planted")?;
         let plan = Plan::new(&json, TOP);
         let parts = limited(&plan);
-        let edited = plan.with_faults(&parts, harness::FIRST_PART);
-        self.netlists.make_edited("few-planted", &edited)?;
+        let mut edited = plan.with_faults(&parts, harness::FIRST_PART);
+        settle_writes(&mut edited, TOP);
+        self.netlists.map("few-planted", &edited, For::Abc)?;
         let at_ports = harness::planted(self.asked.config, few).into_iter().map(|(_, says)| says.to_owned());
         let in_state = parts.iter().map(|part| format!("'{}' is never updated", part.name));
         let faults: Vec<_> = at_ports.chain(in_state).collect();
@@ -436,7 +437,7 @@ impl Proof<'_> {
     }
 
     /// Whether it is proved from its ports alone, by PDR.
-    fn from_ports(&mut self, few: &CacheConfig) -> Result<bool, Error> {
+    fn prove_from_ports(&mut self, few: &CacheConfig) -> Result<bool, Error> {
         (self.progress)("ABC proves it from its ports");
         let limit = self.asked.limit;
         let (found, seconds) =

@@ -4,6 +4,7 @@ use super::checker;
 use super::config::ProveConfig;
 use super::driver::Asked;
 use super::harness::{self, FreeInput};
+use super::plant::settle_writes;
 use super::table::Table;
 use super::tools::run;
 use crate::error::Error;
@@ -155,7 +156,6 @@ impl<'a> Netlists<'a> {
         self.write(&format!("{name}-prove.v"), &prove)?;
         let mut script = String::new();
         for netlist in netlists {
-            let to = format!("{name}-{}", netlist.name);
             let mut macros: String = netlist.choice.iter().map(|choice| format!(" -D{choice}")).collect();
             let (mut is_cold, mut keeps_assertions) = (false, false);
             if let For::Solver { has_state, is_cold: cold } = netlist.used_by {
@@ -164,24 +164,30 @@ impl<'a> Netlists<'a> {
                 macros.push_str(if has_state { " -DSAARCOR_STATE" } else { "" });
                 macros.push_str(if cold { " -DSAARCOR_COLD" } else { "" });
             }
-            script.push_str("design -reset\n");
-            script.push_str(&self.read_sources(is_cold));
             let _ = writeln!(
                 script,
-                "read_verilog -sv -formal{macros} {name}-set.v {name}-prove.v\n{}check -assert\nwrite_json {to}.json\n{}{}",
+                "design -reset\n{}read_verilog -sv -formal{macros} {name}-set.v {name}-prove.v\n{}check -assert\n\
+                 write_json {name}-{}.json",
+                self.read_sources(is_cold),
                 Self::put_together(keeps_assertions),
-                mapped(netlist.used_by),
-                written(netlist.used_by, &to)
+                netlist.name
             );
         }
-        self.yosys(name, &script)
+        self.yosys(name, &script)?;
+        for netlist in netlists.iter().filter(|netlist| netlist.used_by != For::Edit) {
+            let to = format!("{name}-{}", netlist.name);
+            let mut json = self.json(&to)?;
+            settle_writes(&mut json, TOP);
+            self.map(&to, &json, netlist.used_by)?;
+        }
+        Ok(())
     }
 
-    /// Makes the netlist `to` for ABC of an edited one.
-    pub fn make_edited(&self, to: &str, edited: &Value) -> Result<(), Error> {
-        self.write(&format!("{to}-edited.json"), &edited.to_string())?;
-        let (mapped, written) = (mapped(For::Abc), written(For::Abc, to));
-        self.yosys(to, &format!("read_json {to}-edited.json\n{mapped}{written}\n"))
+    /// Makes the netlist `to` of one as Yosys wrote it, or of an edited one.
+    pub fn map(&self, to: &str, json: &Value, used_by: For) -> Result<(), Error> {
+        self.write(&format!("{to}.json"), &json.to_string())?;
+        let (mapped, written) = (mapped(used_by), written(used_by, to));
+        self.yosys(&format!("{to}-map"), &format!("read_json {to}.json\n{mapped}{written}\n"))
     }
 
     /// Writes the waves of a trace that ABC found, `NETLIST.aiw`, of the cache `NAME`.

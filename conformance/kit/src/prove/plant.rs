@@ -148,6 +148,38 @@ fn largest(wires: &Value) -> u64 {
     wires.flat_map(|(_, wire)| bits_of(&wire["bits"])).max().unwrap_or_default()
 }
 
+/// What is written to a memory in a clock in which it is not written becomes 0. Yosys leaves a value x there, at muxes that
+/// it makes of processes, which would be thousands of free inputs of a search.
+pub fn settle_writes(netlist: &mut Value, top: &str) {
+    let Some(cells) = netlist["modules"][top]["cells"].as_object_mut() else { return };
+    let mut drivers = BTreeMap::new();
+    let mut left = Vec::new();
+    for (name, cell) in &*cells {
+        drivers.extend(ports(cell, true).flat_map(|(_, bits)| bits_of(bits)).map(|bit| (bit, name.clone())));
+        if is_write(cell) {
+            left.extend(
+                ports(cell, false).filter(|(port, _)| *port != "CLK").flat_map(|(_, bits)| bits_of(bits)),
+            );
+        }
+    }
+    let mut seen = BTreeSet::new();
+    while let Some(bit) = left.pop() {
+        let Some(name) = drivers.get(&bit) else { continue };
+        let cell = &mut cells[name];
+        let is_mux = name.contains("$procmux") && ["$mux", "$pmux"].contains(&kind(cell));
+        if !(is_mux || kind(cell) == "$and") || !seen.insert(name.clone()) {
+            continue;
+        }
+        for port in ["A", "B"] {
+            left.extend(bits_of(&cell["connections"][port]));
+            let bits = cell["connections"][port].as_array_mut().into_iter().flatten();
+            for bit in bits.filter(|bit| is_mux && *bit == "x") {
+                *bit = json!("0");
+            }
+        }
+    }
+}
+
 fn kind(cell: &Value) -> &str {
     cell["type"].as_str().unwrap_or_default()
 }

@@ -57,7 +57,7 @@ impl ProveArgs {
     pub fn run(self, progress: &Progress) -> Result<Status> {
         let file = |path: &Option<PathBuf>, endings: &[&str]| -> Result<Option<OutFile>> {
             let file = path.as_deref().map(|path| OutFile::check(path)?.with_ending(endings)).transpose()?;
-            file.iter().try_for_each(|file| file.check_inputs([self.dut.join("dut.toml")].into_iter()))?;
+            file.iter().try_for_each(|file| file.check_inputs([self.dut.join("dut.toml")]))?;
             Ok(file)
         };
         let junit = file(&self.junit, &["xml"])?;
