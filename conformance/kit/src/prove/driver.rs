@@ -178,7 +178,11 @@ impl Proof<'_> {
         let claims = Netlist { name: "claims", choice: None, used_by: For::Abc };
         self.netlists.make("few", few, 32, 0, &[claims])?;
         let json = self.netlists.json("few-claims")?;
-        if let Some(wire) = Plan::new(&json, TOP).unknown() {
+        let plan = Plan::new(&json, TOP);
+        if let Some(says) = plan.unclocked() {
+            return Err(says.into());
+        }
+        if let Some(wire) = plan.unknown() {
             let port = self.asked.config.port_of(few, wire);
             return Err(format!("port '{port}' has the value x: give it a value").into());
         }
@@ -249,18 +253,24 @@ impl Proof<'_> {
         waves: &str,
     ) -> Result<(), Error> {
         let vcd = self.netlists.read(waves)?;
-        let wire = match claim {
-            "hit" => "raw_hit",
-            "way" => "raw_way",
-            "card" => "raw_card",
-            "evicts" => "raw_evicts",
-            "evicted" => "dut_evicted",
-            _ => "answer_valid",
+        let wires = match claim {
+            "hit" => ["raw_hit", "dut_hit", "want_hit"],
+            "way" => ["raw_way", "dut_way", "want_way"],
+            "card" => ["raw_card", "dut_card", "want_card"],
+            "evicts" => ["raw_evicts", "dut_evicts", "want_evicts"],
+            "evicted" => ["dut_evicted", "dut_evicted", "want_evicted"],
+            _ => ["answer_valid"; 3],
         };
-        if trace::is_unknown(&vcd, clocks, wire) {
-            let port = self.asked.config.port_of(cache, wire);
+        let [shown, got, wanted] = trace::values(&vcd, clocks, &wires);
+        if shown.is_some_and(|bits| bits.contains('x')) {
+            let port = self.asked.config.port_of(cache, wires[0]);
             return Err(format!("port '{port}' has a value x after {clocks} clocks: give it a value").into());
         }
+        let hex = |bits: Option<String>| bits.and_then(|bits| u64::from_str_radix(&bits, 2).ok());
+        let says = match (hex(got), hex(wanted)) {
+            (Some(got), Some(wanted)) if got != wanted => format!("{says}: {got:x}; {wanted:x} is right"),
+            _ => says.to_owned(),
+        };
         // The request of the last clock is judged where it is answered in its clock.
         let judged = if self.asked.config.latency == 0 { clocks } else { clocks - 1 };
         let requests = trace::requests(&vcd, judged);
@@ -269,7 +279,7 @@ impl Proof<'_> {
         self.report.reason.clear();
         self.report.trace = Some(Trace {
             claim: claim.to_owned(),
-            says: says.to_owned(),
+            says,
             config: config::text(cache),
             clocks,
             requests: requests.iter().map(Request::text).collect(),

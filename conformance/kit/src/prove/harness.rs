@@ -13,15 +13,15 @@ pub type Claim = (&'static str, &'static str, &'static str);
 
 /// What is claimed of each answer and of the handshake, in the order of the names, as netlists have them.
 pub const CLAIMS: &[Claim] = &[
-    ("card", "!judged || dut_card == want_card", "card address"),
-    ("evicted", "!judged || !want_evicts || dut_evicted == want_evicted", "the evicted line"),
-    ("evicts", "!judged || want_hit || dut_evicts == want_evicts", "whether a line is evicted"),
-    ("hit", "!judged || dut_hit == want_hit", "hit"),
+    ("card", "!judged || dut_card == want_card", "wrong card address"),
+    ("evicted", "!judged || !want_evicts || dut_evicted == want_evicted", "wrong line evicted"),
+    ("evicts", "!judged || want_hit || dut_evicts == want_evicts", "wrong about an eviction"),
+    ("hit", "!judged || dut_hit == want_hit", "wrong about a hit"),
     ("late", "!is_due || waited + 1 < LATENCY", "no answer within the clocks of 'latency'"),
     ("outstanding", "!accepted || rest < OUTSTANDING", "more requests are taken than 'outstanding' says"),
     ("stable", "!stalled || answer_valid", "an answer is withdrawn that was not taken"),
     ("unasked", "!answer_valid || is_there", "an answer without a request"),
-    ("way", "!judged || dut_way == want_way", "way"),
+    ("way", "!judged || dut_way == want_way", "wrong way"),
 ];
 
 /// The claims about outputs that the implementation has.

@@ -72,6 +72,33 @@ impl<'a> Plan<'a> {
         JUDGED.into_iter().find(|name| is_x(name))
     }
 
+    /// A register or a memory that does not change at the rising edge of the one clock, and what is wrong with it. Provers see
+    /// no other clocks: to them each is that one.
+    #[must_use]
+    pub fn unclocked(&self) -> Option<String> {
+        let clock = self.wire("clock");
+        self.cells.iter().map(|(_, cell)| *cell).find_map(|cell| {
+            let is = |parameter: &str| {
+                cell["parameters"][parameter].as_str().is_some_and(|bits| bits.ends_with('1'))
+            };
+            let is_clocked = kind(cell).contains("dff") || kind(cell).starts_with("$mem") && is("CLK_ENABLE");
+            let says = if kind(cell).contains("latch") || kind(cell) == "$sr" {
+                "is a latch"
+            } else if is_clocked && cell["connections"]["CLK"] != *clock {
+                "has another clock"
+            } else if is_clocked && !is("CLK_POLARITY") {
+                "changes at the falling edge of the clock"
+            } else {
+                return None;
+            };
+            let name =
+                if kind(cell).starts_with("$mem") { shown(memory_of(cell)) } else { self.name_of(cell) };
+            Some(format!(
+                "'{name}' {says}: there are proofs of registers that change at the rising edge of one clock"
+            ))
+        })
+    }
+
     /// The parts of the state that judged outputs depend on: memories first.
     #[must_use]
     pub fn parts(&self) -> Vec<Part> {

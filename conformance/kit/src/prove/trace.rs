@@ -50,15 +50,15 @@ pub(super) fn requests(vcd: &str, clocks: u32) -> Vec<Request> {
     requests
 }
 
-/// Whether a wire has a value x in the last of so many clocks.
-pub(super) fn is_unknown(vcd: &str, clocks: u32, wire: &str) -> bool {
-    let mut is_unknown = false;
-    at_clocks(vcd, &[wire], |clock, values| {
+/// The bits that wires have in the last of so many clocks.
+pub(super) fn values<const N: usize>(vcd: &str, clocks: u32, wires: &[&str; N]) -> [Option<String>; N] {
+    let mut last = [const { None }; N];
+    at_clocks(vcd, wires, |clock, values| {
         if clock + 1 == u64::from(clocks) {
-            is_unknown = values.get(wire).is_some_and(|bits| bits.contains('x'));
+            last = wires.map(|wire| values.get(wire).map(|bits| (*bits).to_owned()));
         }
     });
-    is_unknown
+    last
 }
 
 /// Calls `note` at each clock, with the values of some wires.
@@ -104,6 +104,8 @@ mod tests {
         assert_eq!(requests(&format!("{head}{waves}"), 4), all[..3]);
         assert_eq!(requests(&format!("{head}{waves}"), 5), all);
         let last = format!("{head}{waves}b0x10 d\n");
-        assert!(is_unknown(&last, 6, "address") && !is_unknown(&last, 5, "address"));
+        let of = |clocks| values(&last, clocks, &["reset", "address"]).map(Option::unwrap_or_default);
+        assert_eq!(of(6), ["0", "0x10"]);
+        assert_eq!(of(5), ["0", "100000"]);
     }
 }
