@@ -203,7 +203,7 @@ fn verilog_that_cannot_be_judged_is_an_error() {
         ("hit <= found;", "hit <= 1'bx;", "port 'hit' has a value x"),
         (
             "always @(posedge clock) begin\n        done",
-            "always @(posedge (clock & 0)) begin\n        done",
+            "always @(posedge (clock & 1'b0)) begin\n        done",
             "another clock",
         ),
         (
