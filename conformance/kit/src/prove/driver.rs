@@ -5,7 +5,7 @@ use super::harness;
 use super::netlists::{For, Netlist, Netlists, TOP};
 use super::plant::{Plan, settle_writes};
 use super::report::{Planted, ProofReport, ProofVerdict, Stage, Trace};
-use super::tools::{Tools, run};
+use super::tools::{Ran, Tools, run};
 use super::trace::{self, Request};
 use crate::error::Error;
 use crate::kind::Kind as _;
@@ -146,10 +146,7 @@ impl Proof<'_> {
         if !by_induction {
             is_proved = self.prove_from_ports(few)?;
         }
-        if !is_proved && self.is_refuted(few)? {
-            return Ok(());
-        }
-        if by_induction && !is_proved && self.is_refuted_at_size(&sizes)? {
+        if !is_proved && self.is_refuted(cache, reduced, few)? {
             return Ok(());
         }
         if !is_proved {
@@ -220,10 +217,31 @@ impl Proof<'_> {
         self.abc(netlist, &format!("bmc3 -T {} -F {MOST_CLOCKS}", limit.as_secs().max(1)), limit)
     }
 
-    /// Looks for a counterexample among few sets.
-    fn is_refuted(&mut self, few: &CacheConfig) -> Result<bool, Error> {
+    /// Looks for a counterexample: first for a short time among few sets, then for faults of larger memories, which are found by
+    /// few requests or not at all, and then among few sets again.
+    fn is_refuted(
+        &mut self,
+        cache: &CacheConfig,
+        reduced: &CacheConfig,
+        few: &CacheConfig,
+    ) -> Result<bool, Error> {
+        let limit = self.asked.limit;
+        if self.is_refuted_among_few(few, limit / 8)? {
+            return Ok(true);
+        }
+        // A set can be cold where it is shown.
+        let is_shown = self.asked.config.state.is_some();
+        for size in sizes(cache, reduced).iter().rev().filter(|size| !size.is_cold || is_shown) {
+            if self.is_refuted_at_size(size, limit / 4)? {
+                return Ok(true);
+            }
+        }
+        self.is_refuted_among_few(few, limit)
+    }
+
+    fn is_refuted_among_few(&mut self, few: &CacheConfig, limit: Duration) -> Result<bool, Error> {
         (self.progress)("ABC looks for a counterexample");
-        let (found, seconds) = self.search("few-claims", self.asked.limit)?;
+        let (found, seconds) = self.search("few-claims", limit)?;
         let at = config::text(few);
         match found {
             Found::Failure { output, clocks } => {
@@ -235,7 +253,7 @@ impl Proof<'_> {
                 Ok(true)
             }
             Found::Nothing(clocks) => {
-                self.report.reached = clocks;
+                self.report.reached = self.report.reached.max(clocks);
                 self.stage("counterexample", at, format!("none in the first {clocks} clocks"), seconds);
                 Ok(false)
             }
@@ -381,7 +399,7 @@ impl Proof<'_> {
         let netlist = format!("{name}-state");
         let mut seconds = 0.0;
         let mut is_shown = |name: &str, flags: &str| -> Result<Option<&'static str>, Error> {
-            let ran = self.smtbmc(&netlist, name, flags)?;
+            let ran = self.smtbmc(&netlist, name, flags, self.asked.limit)?;
             seconds += ran.seconds;
             Ok(match (ran.text.contains("Status: PASSED"), ran.timed_out) {
                 (true, _) => None,
@@ -408,41 +426,36 @@ impl Proof<'_> {
         Ok(Induction { is_proved, says, seconds })
     }
 
-    fn smtbmc(&self, netlist: &str, step: &str, flags: &str) -> Result<super::tools::Ran, Error> {
+    fn smtbmc(&self, netlist: &str, step: &str, flags: &str, limit: Duration) -> Result<Ran, Error> {
         let command = format!("yosys-smtbmc --noprogress -s {} {flags} {netlist}.smt2", self.tools.solver);
-        run(&command, self.asked.work, &format!("{netlist}-{step}"), self.asked.limit)
+        run(&command, self.asked.work, &format!("{netlist}-{step}"), limit)
     }
 
-    /// Looks for a counterexample in the sizes for which there is no proof: faults of large memories.
-    fn is_refuted_at_size(&mut self, sizes: &[Size<'_>]) -> Result<bool, Error> {
-        for &Size { name, cache: size, is_cold } in sizes {
-            let at = config::text(size);
-            if self.report.stages.iter().any(|stage| stage.config == at && stage.says.starts_with("proved")) {
-                continue;
-            }
-            (self.progress)(&format!("{at}: a counterexample is looked for"));
-            let used_by = For::Solver { has_state: false, is_cold };
-            self.netlists.make(name, size, 32, 0, &[Netlist { name: "claims", choice: None, used_by }])?;
-            let search = format!("-t {MOST_CLOCKS} --dump-vcd {name}.vcd");
-            let ran = self.smtbmc(&format!("{name}-claims"), "search", &search)?;
-            let failed = ran.text.lines().find_map(|line| line.split_once("Assert failed in"));
-            let step = ran.text.lines().filter_map(|line| line.split_once("in step ")).next_back();
-            let clocks = step.map_or(0, |(_, rest)| numbers(rest).first().copied().unwrap_or_default()) + 1;
-            if let Some((_, place)) = failed {
-                let all = harness::claims(self.asked.config);
-                let (claim, _, says) = all
-                    .copied()
-                    .find(|(claim, ..)| {
-                        place.contains(&format!("claim_{claim} "))
-                            || place.ends_with(&format!("claim_{claim}"))
-                    })
-                    .unwrap_or(("", "", "a claim"));
-                self.refuted(size, claim, says, clocks, &format!("{name}.vcd"))?;
-                self.stage("counterexample", at, format!("refuted after {clocks} clocks"), ran.seconds);
-                return Ok(true);
-            }
-            self.stage("counterexample", at, format!("none in the first {clocks} clocks"), ran.seconds);
+    fn is_refuted_at_size(&mut self, size: &Size<'_>, limit: Duration) -> Result<bool, Error> {
+        let Size { name, cache, is_cold } = *size;
+        let at = config::text(cache);
+        if self.report.stages.iter().any(|stage| stage.config == at && stage.says.starts_with("proved")) {
+            return Ok(false);
         }
+        (self.progress)(&format!("{at}: a counterexample is looked for"));
+        let used_by = For::Solver { has_state: false, is_cold };
+        self.netlists.make(name, cache, 32, 0, &[Netlist { name: "claims", choice: None, used_by }])?;
+        let search = format!("-t {MOST_CLOCKS} --dump-vcd {name}.vcd");
+        let ran = self.smtbmc(&format!("{name}-claims"), "search", &search, limit)?;
+        let step = ran.text.lines().filter_map(|line| line.split_once("in step ")).next_back();
+        let clocks = step.map_or(0, |(_, rest)| numbers(rest).first().copied().unwrap_or_default()) + 1;
+        let failed = ran.text.lines().find_map(|line| line.split_once("Assert failed in"));
+        if let Some((_, place)) = failed {
+            let is_named =
+                |claim: &str| place.split_whitespace().any(|word| word == format!("claim_{claim}"));
+            let mut all = harness::claims(self.asked.config);
+            let (claim, _, says) =
+                all.find(|(claim, ..)| is_named(claim)).copied().unwrap_or(("", "", "a claim"));
+            self.refuted(cache, claim, says, clocks, &format!("{name}.vcd"))?;
+            self.stage("counterexample", at, format!("refuted after {clocks} clocks"), ran.seconds);
+            return Ok(true);
+        }
+        self.stage("counterexample", at, format!("none in the first {} clocks", clocks - 1), ran.seconds);
         Ok(false)
     }
 
