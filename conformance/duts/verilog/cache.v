@@ -89,9 +89,9 @@ module cache #(
     end
 
     // In a cold set way w has the age w.
-    reg [WAYS*WAY_WIDTH-1:0] cold_ages;
-    integer w;
-    always @* for (w = 0; w < WAYS; w = w + 1) cold_ages[w*WAY_WIDTH +: WAY_WIDTH] = w;
+    wire [WAYS*WAY_WIDTH-1:0] cold_ages;
+    genvar w;
+    generate for (w = 0; w < WAYS; w = w + 1) assign cold_ages[w*WAY_WIDTH +: WAY_WIDTH] = w; endgenerate
 
     integer s;
     always @(posedge clock) begin

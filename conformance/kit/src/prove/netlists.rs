@@ -27,8 +27,8 @@ const HARMLESS: &[&str] = &["Replacing memory"];
 pub(super) enum For {
     /// To be edited.
     Edit,
-    /// ABC; it can be edited too.
-    Abc,
+    /// ABC; it can be edited too. All that has no value in the first clock is 0, or any value.
+    Abc { begins_at_zero: bool },
     /// A solver; with claims about the state or without.
     Solver { has_state: bool, is_cold: bool },
 }
@@ -261,19 +261,20 @@ impl<'a> Netlists<'a> {
 fn mapped(used_by: For) -> String {
     let rest = match used_by {
         For::Edit => return String::new(),
-        For::Abc => {
+        For::Abc { .. } => {
             "memory -nordff\nopt -fast\ntechmap\nopt -fast\nasync2sync\ndffunmap\nopt_clean\nabc -g AND -fast\n"
         }
         For::Solver { .. } => "memory_nordff\nasync2sync\ndffunmap\n",
     };
-    format!("setundef -anyseq\nopt -keepdc -fast\n{rest}opt_clean\nsetundef -anyseq\n")
+    let zeros = if used_by == (For::Abc { begins_at_zero: true }) { "setundef -zero -init\n" } else { "" };
+    format!("setundef -anyseq\nopt -keepdc -fast\n{rest}opt_clean\nsetundef -anyseq\n{zeros}")
 }
 
 /// The command that writes a netlist.
 fn written(used_by: For, to: &str) -> String {
     match used_by {
         For::Edit => String::new(),
-        For::Abc => format!("write_aiger -I -zinit -no-startoffset -map {to}.aim {to}.aig"),
+        For::Abc { .. } => format!("write_aiger -I -zinit -no-startoffset -map {to}.aim {to}.aig"),
         For::Solver { .. } => format!("write_smt2 -wires {to}.smt2"),
     }
 }
