@@ -126,11 +126,7 @@ const PROOFS: &[(&str, i32, &str)] = &[
     ("saarcor conform prove my-rtl", 0, "my-rtl: proved"),
     ("saarcor conform prove my-rtl --memory 64MiB", 0, "lines=524288"),
     ("saarcor conform new verilog-pipelined my-pipeline", 0, ""),
-    (
-        "saarcor conform prove my-pipeline --policy fifo --html proof.html --junit proof.xml",
-        0,
-        "my-pipeline: proved",
-    ),
+    ("saarcor conform prove my-pipeline --html proof.html --junit proof.xml", 0, "my-pipeline: proved"),
     ("saarcor conform new verilog wrong-rtl --fault verilog-all-ways-grow-older", 0, ""),
     ("saarcor conform prove wrong-rtl", 1, "wrong-rtl: refuted"),
     ("saarcor conform run wrong-rtl --suite target/conform/refuted.txt", 1, "does not conform"),

@@ -98,7 +98,6 @@ fn verilog_is_proved() {
 #[ignore = "needs Yosys and a solver, and takes minutes"]
 fn verilog_pipelined_is_proved() {
     is_proved(with("verilog-pipelined", &[("lines=65536", "lines=524288")]).path(), false);
-    is_proved(with("verilog-pipelined", &[("policy=plru", "policy=fifo")]).path(), false);
 }
 
 #[test]
@@ -119,6 +118,18 @@ fn config_of(fault: &Fault) -> (&'static str, &'static str) {
     };
     (policy, hash)
 }
+
+/// Faults whose traces do not replay: a session does not say when answers wait, and the simulation has no large memories, and no
+/// values before the first reset.
+const NOT_REPLAYED: [&str; 7] = [
+    "verilog-hit-without-the-resident-bit",
+    "verilog-pipelined-stalled-answer-changes",
+    "verilog-pipelined-stalled-answer-is-withdrawn",
+    "verilog-pipelined-request-is-lost-in-a-stall",
+    "verilog-pipelined-request-is-taken-twice",
+    "verilog-pipelined-stage-1-moves-without-its-set",
+    "verilog-pipelined-set-of-nine-bits",
+];
 
 /// All, or those that `SAARCOR_FAULTS_PART=K/N` names: each Kth of N.
 #[test]
@@ -147,7 +158,7 @@ fn verilog_faults_are_refuted() {
             trace.clocks,
             trace.requests.len()
         );
-        if verdict != ConformanceVerdict::DoesNotConform && !fault.says.contains("wait") {
+        if verdict != ConformanceVerdict::DoesNotConform && !NOT_REPLAYED.contains(&fault.name.as_str()) {
             wrong.push(format!("{}: {:?}", fault.name, trace.requests));
         }
     }
@@ -173,7 +184,8 @@ fn verilog_faults_that_hide_are_refuted() {
         ("verilog-pipelined", "reg [SET_WIDTH-1:0] set;", "reg [(SET_WIDTH < 13 ? SET_WIDTH : 13)-1:0] set;"),
         ("verilog-pipelined", "if (reset) waiting <= 0;", "if (reset && waiting !== 1'b1) waiting <= 0;"),
     ] {
-        is_refuted(with(name, &[(from, to)]).path(), to);
+        let report = proved_within(240, with(name, &[(from, to)]).path(), false).expect("it can be judged");
+        assert_eq!(report.verdict, ProofVerdict::Refuted, "{to}: {report:#?}");
     }
 }
 
