@@ -2,8 +2,8 @@
 
 use super::config::{ProveConfig, with_sets};
 use super::harness;
-use super::netlists::{For, Netlist, Netlists, TOP};
-use super::plant::{Plan, settle_writes};
+use super::netlists::{Form, Netlists, Reader, TOP};
+use super::plant::Plan;
 use super::report::{Planted, ProofReport, ProofVerdict, Stage, Trace};
 use super::tools::{Ran, Tools, run};
 use super::trace::{self, Request};
@@ -28,6 +28,10 @@ const MOST_CLOCKS: u32 = 60;
 const MOST_PARTS: usize = 4;
 /// Faults of the run's own that have to be refuted at least.
 const LEAST_PLANTED: usize = 3;
+/// ABC searches from zeros: what it finds can be replayed.
+const FROM_ZEROS: Reader = Reader::Abc { begins_at_zero: true };
+/// What is proved, and what is searched for last, holds whatever is there at power-up.
+const FROM_ANYTHING: Reader = Reader::Abc { begins_at_zero: false };
 
 /// What is proved, and how long it may take.
 #[derive(Clone, Debug)]
@@ -65,16 +69,6 @@ struct Size<'a> {
     cache: &'a CacheConfig,
     /// Whether the set is assumed to be cold, in the place of the reset.
     is_cold: bool,
-}
-
-/// What ABC says of a netlist.
-enum Found {
-    /// No claim fails in so many clocks.
-    Nothing(u32),
-    /// A claim fails, the first after so many clocks.
-    Failure { output: usize, clocks: u32 },
-    /// No claim fails ever.
-    Proved,
 }
 
 /// How an induction ends.
@@ -126,14 +120,15 @@ impl Proof<'_> {
             }
             (few.join(), inductions)
         });
-        let few_claims = few_claims.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-        let mut is_proved = by_induction;
+        let claims = few_claims.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        let mut proved = Vec::new();
         for (size, done) in sizes.iter().zip(inductions) {
             let done = done?;
-            is_proved &= done.is_proved;
             let says = if size.is_cold { "with a cold set" } else { "with the reset" };
             let at = config::text(size.cache);
-            if !done.is_proved {
+            if done.is_proved {
+                proved.push(size.name);
+            } else {
                 self.report.reason = format!("{says}, {at}: {}", done.says);
             }
             if size.is_cold {
@@ -143,20 +138,29 @@ impl Proof<'_> {
             }
             self.stage(says, at, done.says, done.seconds);
         }
+        let is_proved = if by_induction {
+            proved.len() == sizes.len()
+        } else {
+            self.netlists.map("few-any", &claims, FROM_ANYTHING)?;
+            self.prove_from_ports(few)?
+        };
         if !is_proved {
-            self.netlists.map("few-any", &few_claims, For::Abc { begins_at_zero: false })?;
-        }
-        if !by_induction {
-            is_proved = self.prove_from_ports(few)?;
-        }
-        if !is_proved && self.is_refuted(cache, reduced, few)? {
-            return Ok(());
-        }
-        if !is_proved {
+            // A set can be cold where it is shown.
+            let is_shown = self.asked.config.state.is_some();
+            let mut open = self::sizes(cache, reduced);
+            open.retain(|size| !proved.contains(&size.name) && (!size.is_cold || is_shown));
+            open.reverse();
+            if !self.is_refuted(few, &open)? {
+                // A trace that begins with zeros can be replayed; what only shows with other values comes last.
+                if by_induction {
+                    self.netlists.map("few-any", &claims, FROM_ANYTHING)?;
+                }
+                self.is_refuted_among_few(few, "few-any", self.asked.limit / 4)?;
+            }
             return Ok(());
         }
         self.show_covers(few)?;
-        self.plant(few, &few_claims)?;
+        self.plant(few, &claims)?;
         let unreached = self.report.covers.iter().find(|(_, clocks)| clocks.is_none());
         let not_refuted = self.report.planted.iter().find(|fault| fault.clocks.is_none());
         let planted = self.report.planted.len();
@@ -175,9 +179,7 @@ impl Proof<'_> {
 
     /// The netlist of the claims with few sets.
     fn few(&self, few: &CacheConfig) -> Result<Value, Error> {
-        let claims = Netlist { name: "claims", choice: None, used_by: For::Abc { begins_at_zero: true } };
-        self.netlists.make("few", few, 32, 0, &[claims])?;
-        let json = self.netlists.json("few-claims")?;
+        let json = self.netlists.elaborate("few-claims", few, Form::Violations)?;
         let plan = Plan::new(&json, TOP);
         if let Some(says) = plan.unclocked() {
             return Err(says.into());
@@ -186,6 +188,7 @@ impl Proof<'_> {
             let port = self.asked.config.port_of(few, wire);
             return Err(format!("port '{port}' has the value x: give it a value").into());
         }
+        self.netlists.map("few-claims", &json, FROM_ZEROS)?;
         Ok(json)
     }
 
@@ -194,54 +197,25 @@ impl Proof<'_> {
     }
 
     /// Runs ABC over a netlist.
-    fn abc(&self, netlist: &str, command: &str, limit: Duration) -> Result<(Found, f64), Error> {
-        let script = format!("read_aiger {netlist}.aig; strash; {command}; write_cex -a {netlist}.aiw");
+    fn abc(&self, netlist: &str, command: &str, limit: Duration) -> Result<Ran, Error> {
+        let script = format!("read_aiger {netlist}.aig; strash; {command}");
         let command = format!("{} -c {}", self.tools.abc, shell_word(&script));
-        let limit = limit + Duration::from_secs(10);
-        let ran = run(&command, self.asked.work, &format!("{netlist}-abc"), limit)?;
-        for line in ran.text.lines() {
-            if let Some((before, after)) = line.split_once("was asserted in frame") {
-                let output = before.rsplit("Output").next().map(numbers).unwrap_or_default();
-                let clocks = numbers(after).first().copied().unwrap_or_default();
-                let output = output.first().copied().unwrap_or_default() as usize;
-                return Ok((Found::Failure { output, clocks: clocks + 1 }, ran.seconds));
-            }
-            if line.starts_with("Property proved") {
-                return Ok((Found::Proved, ran.seconds));
-            }
-        }
-        let reached = ran.text.lines().find_map(|line| line.split_once("No output asserted in"));
-        let reached = reached.and_then(|(_, rest)| numbers(rest).first().copied());
-        Ok((Found::Nothing(reached.unwrap_or_default()), ran.seconds))
-    }
-
-    /// A search for a failure by ABC.
-    fn search(&self, netlist: &str, limit: Duration) -> Result<(Found, f64), Error> {
-        self.abc(netlist, &format!("bmc3 -T {} -F {MOST_CLOCKS}", limit.as_secs().max(1)), limit)
+        run(&command, self.asked.work, &format!("{netlist}-abc"), limit + Duration::from_secs(10))
     }
 
     /// Looks for a counterexample: first for a short time among few sets, then for faults of larger memories, which are found by
-    /// few requests or not at all, and then among few sets again.
-    fn is_refuted(
-        &mut self,
-        cache: &CacheConfig,
-        reduced: &CacheConfig,
-        few: &CacheConfig,
-    ) -> Result<bool, Error> {
+    /// few requests or not at all, in sizes that are `open`, and then among few sets again.
+    fn is_refuted(&mut self, few: &CacheConfig, open: &[Size<'_>]) -> Result<bool, Error> {
         let limit = self.asked.limit;
         if self.is_refuted_among_few(few, "few-claims", limit / 8)? {
             return Ok(true);
         }
-        // A set can be cold where it is shown.
-        let is_shown = self.asked.config.state.is_some();
-        for size in sizes(cache, reduced).iter().rev().filter(|size| !size.is_cold || is_shown) {
+        for size in open {
             if self.is_refuted_at_size(size, limit / 4)? {
                 return Ok(true);
             }
         }
-        // A trace that begins with zeros can be replayed; what only shows with other values comes last.
-        Ok(self.is_refuted_among_few(few, "few-claims", limit)?
-            || self.is_refuted_among_few(few, "few-any", limit / 4)?)
+        self.is_refuted_among_few(few, "few-claims", limit)
     }
 
     fn is_refuted_among_few(
@@ -251,24 +225,22 @@ impl Proof<'_> {
         limit: Duration,
     ) -> Result<bool, Error> {
         (self.progress)("ABC looks for a counterexample");
-        let (found, seconds) = self.search(netlist, limit)?;
+        let search = format!("{}; write_cex -a {netlist}.aiw", bounded("bmc3", limit));
+        let ran = self.abc(netlist, &search, limit)?;
         let at = config::text(few);
-        match found {
-            Found::Failure { output, clocks } => {
-                let (claim, _, says) =
-                    harness::claims(self.asked.config).nth(output).copied().unwrap_or(("", "", "a claim"));
-                self.netlists.waves("few", netlist)?;
-                self.refuted(few, claim, says, clocks, "trace.vcd")?;
-                self.stage("counterexample", at, format!("refuted after {clocks} clocks"), seconds);
-                Ok(true)
-            }
-            Found::Nothing(clocks) => {
-                self.report.reached = self.report.reached.max(clocks);
-                self.stage("counterexample", at, format!("none in the first {clocks} clocks"), seconds);
-                Ok(false)
-            }
-            Found::Proved => Ok(false),
+        if let Some((output, clocks)) = asserted(&ran.text).next() {
+            let (claim, _, says) =
+                harness::claims(self.asked.config).nth(output).copied().unwrap_or(("", "", "a claim"));
+            self.netlists.waves("few-claims", netlist)?;
+            self.refuted(few, claim, says, clocks, "trace.vcd")?;
+            self.stage("counterexample", at, format!("refuted after {clocks} clocks"), ran.seconds);
+            return Ok(true);
         }
+        let reached = ran.text.lines().find_map(|line| line.split_once("No output asserted in"));
+        let clocks = reached.and_then(|(_, rest)| numbers(rest).first().copied()).unwrap_or_default();
+        self.report.reached = self.report.reached.max(clocks);
+        self.stage("counterexample", at, format!("none in the first {clocks} clocks"), ran.seconds);
+        Ok(false)
     }
 
     /// Notes a trace.
@@ -343,33 +315,21 @@ impl Proof<'_> {
     /// After how many clocks each output of a netlist happens; none where it does not within the time.
     fn happens(&self, netlist: &str, outputs: usize) -> Result<(Vec<Option<u32>>, f64), Error> {
         let limit = self.asked.limit;
-        let script = format!(
-            "read_aiger {netlist}.aig; strash; bmc3 -a -T {} -F {MOST_CLOCKS}",
-            limit.as_secs().max(1)
-        );
-        let command = format!("{} -c {}", self.tools.abc, shell_word(&script));
-        let ran = run(&command, self.asked.work, &format!("{netlist}-abc"), limit + Duration::from_secs(10))?;
-        let mut clocks = vec![None; outputs];
-        for line in ran.text.lines() {
-            let Some((before, after)) = line.split_once("was asserted in frame") else { continue };
-            let output = before.rsplit("Output").next().map(numbers).unwrap_or_default();
-            let place = output.first().and_then(|&output| clocks.get_mut(output as usize));
-            if let (Some(place), Some(frame)) = (place, numbers(after).first()) {
-                *place = Some(frame + 1);
+        let ran = self.abc(netlist, &bounded("bmc3 -a", limit), limit)?;
+        let mut happens = vec![None; outputs];
+        for (output, clocks) in asserted(&ran.text) {
+            if let Some(place) = happens.get_mut(output) {
+                *place = Some(clocks);
             }
         }
-        Ok((clocks, ran.seconds))
+        Ok((happens, ran.seconds))
     }
 
     /// Each thing that has to happen can.
     fn show_covers(&mut self, few: &CacheConfig) -> Result<(), Error> {
         (self.progress)("ABC reaches what the claims are about");
-        let covers = Netlist {
-            name: "covers",
-            choice: Some("SAARCOR_COVER"),
-            used_by: For::Abc { begins_at_zero: true },
-        };
-        self.netlists.make("few", few, 32, 0, &[covers])?;
+        let json = self.netlists.elaborate("few-covers", few, Form::Covers)?;
+        self.netlists.map("few-covers", &json, FROM_ZEROS)?;
         let names = harness::covers(self.asked.config, few.geometry.ways());
         let (clocks, seconds) = self.happens("few-covers", names.len())?;
         let reached = clocks.iter().flatten().count();
@@ -384,14 +344,10 @@ impl Proof<'_> {
         (self.progress)("ABC refutes faults of the run's own");
         let limited = |plan: &Plan<'_>| Vec::from_iter(plan.parts().into_iter().take(MOST_PARTS));
         let parts = limited(&Plan::new(claims, TOP)).len();
-        let planted = Netlist { name: "planted", choice: Some("SAARCOR_PLANTED"), used_by: For::Edit };
-        self.netlists.make("few", few, 32, parts, &[planted])?;
-        let json = self.netlists.json("few-planted")?;
+        let json = self.netlists.elaborate("few-planted", few, Form::Planted { parts })?;
         let plan = Plan::new(&json, TOP);
         let parts = limited(&plan);
-        let mut edited = plan.with_faults(&parts, harness::FIRST_PART);
-        settle_writes(&mut edited, TOP);
-        self.netlists.map("few-planted", &edited, For::Abc { begins_at_zero: true })?;
+        self.netlists.map("few-planted", &plan.with_faults(&parts, harness::FIRST_PART), FROM_ZEROS)?;
         let at_ports = harness::planted(self.asked.config, few).into_iter().map(|(_, says)| says.to_owned());
         let in_state = parts.iter().map(|part| format!("'{}' is never updated", part.name));
         let faults: Vec<_> = at_ports.chain(in_state).collect();
@@ -408,9 +364,9 @@ impl Proof<'_> {
     fn induction(&self, size: &Size<'_>) -> Result<Induction, Error> {
         let Size { name, cache, is_cold } = *size;
         (self.progress)(&format!("{}: induction", config::text(cache)));
-        let used_by = For::Solver { has_state: true, is_cold };
-        self.netlists.make(name, cache, 32, 0, &[Netlist { name: "state", choice: None, used_by }])?;
         let netlist = format!("{name}-state");
+        let json = self.netlists.elaborate(&netlist, cache, Form::Assertions { has_state: true, is_cold })?;
+        self.netlists.map(&netlist, &json, Reader::Solver)?;
         let mut seconds = 0.0;
         let mut is_shown = |name: &str, flags: &str| -> Result<Option<&'static str>, Error> {
             let ran = self.smtbmc(&netlist, name, flags, self.asked.limit)?;
@@ -448,14 +404,13 @@ impl Proof<'_> {
     fn is_refuted_at_size(&mut self, size: &Size<'_>, limit: Duration) -> Result<bool, Error> {
         let Size { name, cache, is_cold } = *size;
         let at = config::text(cache);
-        if self.report.stages.iter().any(|stage| stage.config == at && stage.says.starts_with("proved")) {
-            return Ok(false);
-        }
         (self.progress)(&format!("{at}: a counterexample is looked for"));
-        let used_by = For::Solver { has_state: false, is_cold };
-        self.netlists.make(name, cache, 32, 0, &[Netlist { name: "claims", choice: None, used_by }])?;
+        let netlist = format!("{name}-claims");
+        let json =
+            self.netlists.elaborate(&netlist, cache, Form::Assertions { has_state: false, is_cold })?;
+        self.netlists.map(&netlist, &json, Reader::Solver)?;
         let search = format!("-t {MOST_CLOCKS} --dump-vcd {name}.vcd");
-        let ran = self.smtbmc(&format!("{name}-claims"), "search", &search, limit)?;
+        let ran = self.smtbmc(&netlist, "search", &search, limit)?;
         let step = ran.text.lines().filter_map(|line| line.split_once("in step ")).next_back();
         let clocks = step.map_or(0, |(_, rest)| numbers(rest).first().copied().unwrap_or_default()) + 1;
         let failed = ran.text.lines().find_map(|line| line.split_once("Assert failed in"));
@@ -477,19 +432,21 @@ impl Proof<'_> {
     fn prove_from_ports(&mut self, few: &CacheConfig) -> Result<bool, Error> {
         (self.progress)("ABC proves it from its ports");
         let limit = self.asked.limit;
-        let (found, seconds) =
-            self.abc("few-any", &format!("orpos; pdr -T {}", limit.as_secs().max(1)), limit)?;
-        let (is_proved, says) = match found {
-            Found::Proved => (true, "proved by PDR".to_owned()),
-            Found::Failure { .. } => (false, "not proved".to_owned()),
-            Found::Nothing(_) => (false, "not done in time".to_owned()),
+        let ran = self.abc("few-any", &format!("orpos; pdr -T {}", limit.as_secs().max(1)), limit)?;
+        let is_proved = ran.text.lines().any(|line| line.starts_with("Property proved"));
+        let says = if is_proved {
+            "proved by PDR"
+        } else if asserted(&ran.text).next().is_some() {
+            "not proved"
+        } else {
+            "not done in time"
         };
         let at = config::text(few);
         if !is_proved {
             self.report.reason = format!("from the ports alone, {at}: {says}");
         }
         self.report.assumed.push(format!("what is proved is {at}, and no other size"));
-        self.stage("from the ports alone", at, says, seconds);
+        self.stage("from the ports alone", at, says.to_owned(), ran.seconds);
         Ok(is_proved)
     }
 }
@@ -499,6 +456,20 @@ fn sizes<'a>(cache: &'a CacheConfig, reduced: &'a CacheConfig) -> Vec<Size<'a>> 
     let reset = Size { name: "reset", cache: reduced, is_cold: false };
     let cold = Size { name: "cold", cache, is_cold: true };
     if reduced == cache { vec![reset] } else { vec![cold, reset] }
+}
+
+/// A search of ABC, within a time and so many clocks.
+fn bounded(command: &str, limit: Duration) -> String {
+    format!("{command} -T {} -F {MOST_CLOCKS}", limit.as_secs().max(1))
+}
+
+/// The outputs that ABC found to happen, each with the clocks after which it does.
+fn asserted(text: &str) -> impl Iterator<Item = (usize, u32)> + '_ {
+    text.lines().filter_map(|line| {
+        let (before, after) = line.split_once("was asserted in frame")?;
+        let output = numbers(before.rsplit("Output").next()?);
+        Some((*output.first()? as usize, numbers(after).first()? + 1))
+    })
 }
 
 /// The numbers in a text.

@@ -86,13 +86,7 @@ pub fn planted(config: &ProveConfig, cache: &CacheConfig) -> Vec<(usize, &'stati
 /// `SAARCOR_COLD` for a cold set in the place of the reset; `SAARCOR_STATE` for the claims about the state that is shown. Each
 /// bit of `free_planted` stands for a fault: those of [`PLANTED`], and in parts of the state from [`FIRST_PART`] on.
 #[must_use]
-pub fn verilog(
-    config: &ProveConfig,
-    cache: &CacheConfig,
-    address_bits: u32,
-    free: &[FreeInput],
-    parts: usize,
-) -> String {
+pub fn verilog(config: &ProveConfig, cache: &CacheConfig, free: &[FreeInput], parts: usize) -> String {
     let ways = cache.geometry.ways() as usize;
     let way_bits = cache.geometry.ways().trailing_zeros();
     let line_bits = cache.geometry.line().0.trailing_zeros();
@@ -144,7 +138,7 @@ pub fn verilog(
 `endif
     wire valid = free_valid;
     wire forget = {forget};
-    wire [31:0] address = free_address & 32'h{address_mask:x};
+    wire [31:0] address = free_address;
     wire answer_ready = {answer_ready};
     wire ready{ready};
     wire raw_hit, raw_evicts, answer_valid, dut_forget;
@@ -169,7 +163,6 @@ pub fn verilog(
         latency = config.latency.max(1),
         early = u32::from(config.latency == 0),
         forget = if config.request.invalidate.is_some() { "free_forget" } else { "0" },
-        address_mask = (1_u64 << address_bits) - 1,
         answer_ready = if config.answer.ready.is_some() { "free_ready" } else { "1" },
         ready = if config.request.ready.is_some() { "" } else { " = 1" },
         way_top = way_bits.max(1) - 1,
@@ -265,12 +258,14 @@ pub fn verilog(
         let _ = writeln!(text, "    always @* if (!reset) claim_{name}: assert({condition});");
     }
     text.push_str("    assign happens = 0;\n`else\n");
-    let violations: Vec<_> = claims(config).map(|(_, condition, _)| format!("!({condition})")).collect();
+    // The last stands first: bit 0 is the first claim's.
+    let mut violations: Vec<_> = claims(config).map(|(_, condition, _)| format!("!({condition})")).collect();
+    violations.reverse();
     let _ = writeln!(
         text,
         "    wire [{0}:0] violated = reset ? 0 : {{{1}}};\n`ifdef SAARCOR_PLANTED",
         violations.len() - 1,
-        violations.iter().rev().cloned().collect::<Vec<_>>().join(", ")
+        violations.join(", ")
     );
     for (n, bit) in faults.iter().enumerate() {
         let _ = writeln!(
@@ -279,8 +274,7 @@ pub fn verilog(
             1 << bit
         );
     }
-    text.push_str("`else\n    assign happens = violated;\n`endif\n");
-    text.push_str("`endif\n`ifdef SAARCOR_STATE\n");
+    text.push_str("`else\n    assign happens = violated;\n`endif\n`endif\n`ifdef SAARCOR_STATE\n");
     state_claims(&mut text, config, cache, tag_bits, way_bits.max(1));
     text.push_str("`endif\n`ifdef SAARCOR_COLD\n");
     assume_cold(&mut text, config, cache, way_bits.max(1));

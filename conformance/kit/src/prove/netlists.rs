@@ -22,26 +22,27 @@ pub(super) const TOP: &str = "saarcor_prove";
 /// Warnings of Yosys that say nothing about the proof: all others are errors.
 const HARMLESS: &[&str] = &["Replacing memory"];
 
-/// What a netlist is for.
+/// What stands beside the implementation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum For {
-    /// To be edited.
-    Edit,
-    /// ABC; it can be edited too. All that has no value in the first clock is 0, or any value.
-    Abc { begins_at_zero: bool },
-    /// A solver; with claims about the state or without.
-    Solver { has_state: bool, is_cold: bool },
+pub(super) enum Form {
+    /// Violations of claims, as outputs.
+    Violations,
+    /// What has to be reached, as outputs.
+    Covers,
+    /// A violation with each of the run's own faults, as outputs; so many of the faults are in the state.
+    Planted { parts: usize },
+    /// Claims as assertions, with those about the state that is shown or without, and with a cold set in the place of the
+    /// reset or with it.
+    Assertions { has_state: bool, is_cold: bool },
 }
 
-/// A netlist that is to be made.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Netlist<'a> {
-    /// Its name.
-    pub name: &'a str,
-    /// A macro of the harness.
-    pub choice: Option<&'a str>,
-    /// What it is for.
-    pub used_by: For,
+/// Who reads a netlist.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reader {
+    /// ABC. All that has no value in the first clock is 0, or any value.
+    Abc { begins_at_zero: bool },
+    /// A solver.
+    Solver,
 }
 
 /// The sources of an implementation, and what its netlists have beside it.
@@ -142,55 +143,44 @@ impl<'a> Netlists<'a> {
         format!("hierarchy -check -top {TOP}\nproc\n{formal}\nflatten\nopt_clean\n")
     }
 
-    /// Makes netlists of a cache, each as `NAME-NETLIST`.
-    pub fn make(
-        &self,
-        name: &str,
-        cache: &CacheConfig,
-        address_bits: u32,
-        parts: usize,
-        netlists: &[Netlist<'_>],
-    ) -> Result<(), Error> {
-        self.write(&format!("{name}-set.v"), &checker::verilog(cache, &self.table))?;
-        let prove = harness::verilog(self.config(), cache, address_bits, &self.free, parts);
-        self.write(&format!("{name}-prove.v"), &prove)?;
-        let mut script = String::new();
-        for netlist in netlists {
-            let mut macros: String = netlist.choice.iter().map(|choice| format!(" -D{choice}")).collect();
-            let (mut is_cold, mut keeps_assertions) = (false, false);
-            if let For::Solver { has_state, is_cold: cold } = netlist.used_by {
+    /// The implementation beside the specification, before memories are mapped: `NAME.json`.
+    pub fn elaborate(&self, name: &str, cache: &CacheConfig, form: Form) -> Result<Value, Error> {
+        let (mut macros, mut parts) = (String::new(), 0);
+        let (mut is_cold, mut keeps_assertions) = (false, false);
+        match form {
+            Form::Violations => {}
+            Form::Covers => macros.push_str(" -DSAARCOR_COVER"),
+            Form::Planted { parts: of_state } => {
+                parts = of_state;
+                macros.push_str(" -DSAARCOR_PLANTED");
+            }
+            Form::Assertions { has_state, is_cold: cold } => {
                 (is_cold, keeps_assertions) = (cold, has_state && self.config().assertions);
                 macros.push_str(" -DSAARCOR_SMT");
                 macros.push_str(if has_state { " -DSAARCOR_STATE" } else { "" });
                 macros.push_str(if cold { " -DSAARCOR_COLD" } else { "" });
             }
-            let _ = writeln!(
-                script,
-                "design -reset\n{}read_verilog -sv -formal{macros} {name}-set.v {name}-prove.v\n{}check -assert\n\
-                 write_json {name}-{}.json",
-                self.read_sources(is_cold),
-                Self::put_together(keeps_assertions),
-                netlist.name
-            );
         }
+        self.write(&format!("{name}-set.v"), &checker::verilog(cache, &self.table))?;
+        self.write(&format!("{name}-prove.v"), &harness::verilog(self.config(), cache, &self.free, parts))?;
+        let script = format!(
+            "{}read_verilog -sv -formal{macros} {name}-set.v {name}-prove.v\n{}check -assert\nwrite_json {name}.json\n",
+            self.read_sources(is_cold),
+            Self::put_together(keeps_assertions)
+        );
         self.yosys(name, &script)?;
-        for netlist in netlists.iter().filter(|netlist| netlist.used_by != For::Edit) {
-            let to = format!("{name}-{}", netlist.name);
-            let mut json = self.json(&to)?;
-            settle_writes(&mut json, TOP);
-            self.map(&to, &json, netlist.used_by)?;
-        }
-        Ok(())
+        let mut json = self.json(name)?;
+        settle_writes(&mut json, TOP);
+        Ok(json)
     }
 
-    /// Makes the netlist `to` of one as Yosys wrote it, or of an edited one.
-    pub fn map(&self, to: &str, json: &Value, used_by: For) -> Result<(), Error> {
-        self.write(&format!("{to}.json"), &json.to_string())?;
-        let (mapped, written) = (mapped(used_by), written(used_by, to));
-        self.yosys(&format!("{to}-map"), &format!("read_json {to}.json\n{mapped}{written}\n"))
+    /// Makes the netlist `to` that somebody reads of an elaborated one, which may have been edited.
+    pub fn map(&self, to: &str, json: &Value, reader: Reader) -> Result<(), Error> {
+        self.write(&format!("{to}-map.json"), &json.to_string())?;
+        self.yosys(&format!("{to}-map"), &format!("read_json {to}-map.json\n{}\n", mapped(reader, to)))
     }
 
-    /// Writes the waves of a trace that ABC found, `NETLIST.aiw`, of the cache `NAME`.
+    /// Writes the waves of a trace that ABC found, `NETLIST.aiw`, of what was elaborated as `NAME`.
     pub fn waves(&self, name: &str, netlist: &str) -> Result<(), Error> {
         // What a memory holds at first is left out: the simulation has no names for its words.
         let map = self.read(&format!("{netlist}.aim"))?;
@@ -209,7 +199,7 @@ impl<'a> Netlists<'a> {
     }
 
     /// A netlist that Yosys wrote as JSON.
-    pub fn json(&self, name: &str) -> Result<Value, Error> {
+    fn json(&self, name: &str) -> Result<Value, Error> {
         let name = format!("{name}.json");
         serde_json::from_str(&self.read(&name)?).map_err(|error| Error::from(error.to_string()).within(name))
     }
@@ -248,7 +238,7 @@ impl<'a> Netlists<'a> {
     }
 
     /// A text of Yosys, with the names of sources as they were written.
-    pub fn shown(&self, text: &str) -> String {
+    fn shown(&self, text: &str) -> String {
         let mut text = text.trim().to_owned();
         for (path, name) in self.sources.iter().zip(&self.asked.config.sources) {
             text = text.replace(&path.display().to_string(), name);
@@ -257,24 +247,15 @@ impl<'a> Netlists<'a> {
     }
 }
 
-/// The commands that map a netlist. A value x becomes any value at each clock.
-fn mapped(used_by: For) -> String {
-    let rest = match used_by {
-        For::Edit => return String::new(),
-        For::Abc { .. } => {
-            "memory -nordff\nopt -fast\ntechmap\nopt -fast\nasync2sync\ndffunmap\nopt_clean\nabc -g AND -fast\n"
-        }
-        For::Solver { .. } => "memory_nordff\nasync2sync\ndffunmap\n",
+/// The commands that map a netlist for its reader, and write it. A value x becomes any value at each clock.
+fn mapped(reader: Reader, to: &str) -> String {
+    let (memories, zeros, written) = match reader {
+        Reader::Abc { begins_at_zero } => (
+            "memory -nordff\nopt -fast\ntechmap\nopt -fast\nasync2sync\ndffunmap\nopt_clean\nabc -g AND -fast",
+            if begins_at_zero { "setundef -zero -init\n" } else { "" },
+            format!("write_aiger -I -zinit -no-startoffset -map {to}.aim {to}.aig"),
+        ),
+        Reader::Solver => ("memory_nordff\nasync2sync\ndffunmap", "", format!("write_smt2 -wires {to}.smt2")),
     };
-    let zeros = if used_by == (For::Abc { begins_at_zero: true }) { "setundef -zero -init\n" } else { "" };
-    format!("setundef -anyseq\nopt -keepdc -fast\n{rest}opt_clean\nsetundef -anyseq\n{zeros}")
-}
-
-/// The command that writes a netlist.
-fn written(used_by: For, to: &str) -> String {
-    match used_by {
-        For::Edit => String::new(),
-        For::Abc { .. } => format!("write_aiger -I -zinit -no-startoffset -map {to}.aim {to}.aig"),
-        For::Solver { .. } => format!("write_smt2 -wires {to}.smt2"),
-    }
+    format!("setundef -anyseq\nopt -keepdc -fast\n{memories}\nopt_clean\nsetundef -anyseq\n{zeros}{written}")
 }
