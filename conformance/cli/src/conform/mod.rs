@@ -4,4 +4,5 @@ pub mod hard;
 pub mod page;
 #[cfg(unix)]
 pub mod proof;
+pub mod reports;
 pub mod text;

@@ -9,8 +9,9 @@ use self::new::NewArgs;
 #[cfg(unix)]
 use self::prove::ProveArgs;
 use self::serve_library::ServeLibraryArgs;
+use crate::conform::reports::ReportArgs;
 use crate::conform::{hard, page, text};
-use crate::output::{ClosedPipe, OutFile, Stdout, json_line};
+use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
 use crate::signals;
 use crate::status::Status;
@@ -46,7 +47,6 @@ use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
 
 /// Whether another implementation of the virtual memory is right, and if not, where
 #[derive(Debug, clap::Args)]
@@ -130,15 +130,8 @@ struct RunArgs {
     /// Seconds that a session may take [default: what dut.toml says, else 10]
     #[arg(long, value_name = "S")]
     time_limit: Option<f64>,
-    /// Prints the report as one JSON object
-    #[arg(long)]
-    json: bool,
-    /// Writes the report as JUnit XML
-    #[arg(long, value_name = "FILE")]
-    junit: Option<PathBuf>,
-    /// Writes the report as an HTML page that needs no other file
-    #[arg(long, value_name = "FILE")]
-    html: Option<PathBuf>,
+    #[command(flatten)]
+    report: ReportArgs,
     /// Runs only the sessions that failed in the last run that kept its sessions in the same folder
     #[arg(long)]
     only_failed: bool,
@@ -168,15 +161,9 @@ impl RunArgs {
         if let Some(limit) = self.time_limit {
             ensure!(limit > 0.0 && limit <= 3600.0, "--time-limit {limit}: write seconds, up to 3600");
         }
-        let file = |path: &Option<PathBuf>, endings: &[&str]| -> Result<Option<OutFile>> {
-            let file = path.as_deref().map(|path| OutFile::check(path)?.with_ending(endings)).transpose()?;
-            let inputs = [Path::new(&self.dut).join("dut.toml")].into_iter();
-            let inputs = inputs.chain(self.suite.iter().map(PathBuf::from)).chain(self.trace.iter().cloned());
-            file.iter().try_for_each(|file| file.check_inputs(inputs.clone()))?;
-            Ok(file)
-        };
-        let junit = file(&self.junit, &["xml"])?;
-        let html = file(&self.html, &["html", "htm"])?;
+        let mut inputs = vec![Path::new(&self.dut).join("dut.toml")];
+        inputs.extend(self.suite.iter().map(PathBuf::from).chain(self.trace.iter().cloned()));
+        let reports = self.report.files(&inputs)?;
         let extent = Extent { seed: self.seed, requests: self.random_requests(None) };
         let named = self.suite.iter().map(|name| named(name, &extent));
         let traces = self.trace.iter().map(|path| traced(path));
@@ -216,16 +203,7 @@ impl RunArgs {
             // The verdict stands without them.
             let _ = writeln!(std::io::stderr(), "saarcor: sessions that fail are not kept: {error:#}");
         }
-        // The verdict is shown first: nothing that cannot be written takes it away.
-        self.print(&report).or_else(|error| if error.is::<ClosedPipe>() { Ok(()) } else { Err(error) })?;
-        if let Some(file) = junit {
-            let text = report.junit(SystemTime::now())?;
-            file.write(|out| Ok(out.write_all(text.as_bytes())?))?;
-        }
-        if let Some(file) = html {
-            let page = page::html(&report);
-            file.write(|out| Ok(out.write_all(page.as_bytes())?))?;
-        }
+        reports.give(self.print(&report), |at| report.junit(at), || page::html(&report))?;
         Ok(match report.verdict {
             ConformanceVerdict::Conforms => Status::Holds,
             ConformanceVerdict::DoesNotConform => Status::Disproved,
@@ -240,7 +218,7 @@ impl RunArgs {
 
     fn print(&self, report: &ConformanceReport) -> Result<()> {
         let mut out = Stdout::new();
-        if self.json {
+        if self.report.json {
             json_line(&mut out, report)?;
         } else {
             out.line(text::text(report).trim_end())?;

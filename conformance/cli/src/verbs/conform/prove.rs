@@ -2,7 +2,8 @@
 
 use crate::args::choice;
 use crate::conform::proof;
-use crate::output::{ClosedPipe, OutFile, Stdout, json_line};
+use crate::conform::reports::ReportArgs;
+use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
 use crate::signals;
 use crate::size::Size;
@@ -18,7 +19,7 @@ use saarcor_model::vm::Policy;
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 /// Proves an implementation in Verilog, for requests without end, or shows the shortest requests that refute it
 #[derive(Debug, clap::Args)]
@@ -38,15 +39,8 @@ pub struct ProveArgs {
     /// Seconds that each search and each proof may take
     #[arg(long, value_name = "SECONDS", default_value_t = 300, value_parser = clap::value_parser!(u64).range(1..=86_400))]
     limit_seconds: u64,
-    /// Prints the report as one JSON object
-    #[arg(long)]
-    json: bool,
-    /// Writes the report as JUnit XML
-    #[arg(long, value_name = "FILE")]
-    junit: Option<PathBuf>,
-    /// Writes the report as an HTML page that needs no other file
-    #[arg(long, value_name = "FILE")]
-    html: Option<PathBuf>,
+    #[command(flatten)]
+    report: ReportArgs,
     /// Where the trace that refutes it is kept, as waves and as requests, and the netlists
     #[arg(long, value_name = "DIR", default_value = "target/conform")]
     keep: PathBuf,
@@ -55,18 +49,11 @@ pub struct ProveArgs {
 impl ProveArgs {
     /// Proves, and prints the report.
     pub fn run(self, progress: &Progress) -> Result<Status> {
-        let file = |path: &Option<PathBuf>, endings: &[&str]| -> Result<Option<OutFile>> {
-            let file = path.as_deref().map(|path| OutFile::check(path)?.with_ending(endings)).transpose()?;
-            file.iter().try_for_each(|file| file.check_inputs([self.dut.join("dut.toml")]))?;
-            Ok(file)
-        };
-        let junit = file(&self.junit, &["xml"])?;
-        let html = file(&self.html, &["html", "htm"])?;
+        let file = self.dut.join("dut.toml");
+        let reports = self.report.files(std::slice::from_ref(&file))?;
         let dut = DutFile::read(&self.dut)?;
-        let shown = self.dut.join("dut.toml");
-        let shown = shown.display();
         let Some(mut config) = dut.prove else {
-            bail!("{shown}: has no table [prove], which names the ports of the implementation");
+            bail!("{}: has no table [prove], which names the ports of the implementation", file.display());
         };
         config.resize(&dut.kind, self.memory.map(|memory| memory.0), self.policy)?;
         let tools = match Tools::find() {
@@ -100,15 +87,7 @@ impl ProveArgs {
         children::kill_strays();
         let mut report = report.with_context(|| name.clone())?;
         self.keep_trace(&mut report)?;
-        self.print(&report).or_else(|error| if error.is::<ClosedPipe>() { Ok(()) } else { Err(error) })?;
-        if let Some(file) = junit {
-            let text = report.junit(SystemTime::now())?;
-            file.write(|out| Ok(out.write_all(text.as_bytes())?))?;
-        }
-        if let Some(file) = html {
-            let page = proof::html(&report);
-            file.write(|out| Ok(out.write_all(page.as_bytes())?))?;
-        }
+        reports.give(self.print(&report), |at| report.junit(at), || proof::html(&report))?;
         Ok(match report.verdict {
             ProofVerdict::Proved => Status::Holds,
             ProofVerdict::Refuted => Status::Disproved,
@@ -118,7 +97,7 @@ impl ProveArgs {
 
     fn print(&self, report: &ProofReport) -> Result<()> {
         let mut out = Stdout::new();
-        if self.json {
+        if self.report.json {
             json_line(&mut out, report)?;
         } else {
             out.line(proof::text(report).trim_end())?;
