@@ -353,8 +353,8 @@ fn joined(
 
 /// The requirement that a session fails for. A directed session fails for its own, whatever differs, with these
 /// exceptions: wrong bytes, unless it is about bytes; a conversation that breaks off, unless it is about answers
-/// and their form; the bytes of an entry of metadata; the order of free ways; and where it is about invalidation, and
-/// another order of replacement alone explains all answers. A random session fails for what alone explains all.
+/// and their form; the bytes of an entry of metadata; the order of free ways; and where it is about replacement, free
+/// ways or invalidation, and a breach of another of these alone explains all answers. A random session fails for what alone explains all.
 fn requirement(session: &Session, findings: &[Finding], explanations: &[&'static str]) -> Option<String> {
     let lowest = findings.iter().min_by_key(|finding| finding.level)?;
     let own = cause(findings, lowest).requirement;
@@ -371,9 +371,11 @@ fn requirement(session: &Session, findings: &[Finding], explanations: &[&'static
         [first, others @ ..] if others.iter().all(|other| other == first) => Some(*first),
         _ => None,
     };
-    // Directed sessions are short: more than one thing explains what they show, and each is about the likeliest.
+    // Directed sessions are short: more than one thing explains what they show, and each is about the likeliest. Only
+    // which line leaves, which free way is filled and what an invalidation forgets show in each other's sessions.
+    let neighbours = [REPLACEMENT, FREE_WAYS, INVALIDATION];
     let is_open = |explained: &&str| {
-        session.requirement.is_none() || named == INVALIDATION && [REPLACEMENT, FREE_WAYS].contains(explained)
+        session.requirement.is_none() || neighbours.contains(&named) && neighbours.contains(explained)
     };
     Some(explained.filter(is_open).unwrap_or(named).to_owned())
 }
@@ -427,6 +429,9 @@ mod tests {
         let wrong_hit = Finding { request: Some(1), ..finding.clone() };
         let wrong_set = Finding { level: Level::State, requirement: "VM-3", ..finding.clone() };
         assert_eq!(requirement(&session, &[wrong_set, wrong_hit], &[]).as_deref(), Some("VM-3"));
+        session.requirement = Some("VM-6".to_owned());
+        assert_eq!(broken(&session, &finding, &["VM-8"]), "VM-8");
+        assert_eq!(broken(&session, &finding, &["VM-3"]), "VM-6");
         session.requirement = Some("VM-8".to_owned());
         for (explanations, named) in [
             (&[][..], "VM-8"),
