@@ -22,7 +22,7 @@ pub fn shifts(hash: Hash, set_bits: u32) -> Vec<u32> {
 /// The module `saarcor_set` of a cache with that table.
 ///
 /// Its inputs are a request (`step`, `forget`, `address`), the set (`witness`) and `clear`, which forgets all lines. Its
-/// outputs say whether the request is one of the set (`mine`), what is to be answered, and the state: `resident`, `lines`
+/// outputs say whether the request is one of the set (`mine`; `sum`, of which the lowest bits are its set), what is to be answered, and the state: `resident`, `lines`
 /// (a line of 32 bits a way), `order`, and whether both are `legal`.
 #[must_use]
 pub fn verilog(config: &CacheConfig, table: &Table) -> String {
@@ -38,7 +38,7 @@ pub fn verilog(config: &CacheConfig, table: &Table) -> String {
     let mut text = format!(
         "// Generated from the specification's step: {ways} ways, {:?}.\n\
          module saarcor_set(\n    input clock, clear, step, forget,\n    input [31:0] address, witness,\n    \
-         output mine,\n    output reg hit, evicts,\n    output reg [3:0] way,\n    output [31:0] evicted, card,\n    \
+         output mine,\n    output reg hit, evicts,\n    output reg [3:0] way,\n    output [31:0] evicted, card, sum,\n    \
          output [{}:0] resident,\n    output [{}:0] lines,\n    output [{}:0] order,\n    output reg legal, forgets\n);\n",
         table.policy,
         ways - 1,
@@ -46,7 +46,7 @@ pub fn verilog(config: &CacheConfig, table: &Table) -> String {
         order_bits.max(1) - 1,
     );
     let _ = writeln!(text, "    wire [31:0] line = address >> {line_bits};");
-    let _ = writeln!(text, "    wire [31:0] sum = {};", sum.join(" + "));
+    let _ = writeln!(text, "    assign sum = {};", sum.join(" + "));
     let _ = writeln!(text, "    assign mine = (sum & 32'h{mask:x}) == witness;");
     let _ = writeln!(text, "    reg [{}:0] state = 0;", bits - 1);
     let _ = writeln!(text, "    reg [{}:0] next;", bits - 1);

@@ -1,8 +1,9 @@
 //! A proof from beginning to end: induction or PDR; else counterexamples; and what shows that a proof is not empty.
 
 use super::config::{ProveConfig, with_sets};
+use super::found::{self, Found, Samples};
 use super::harness;
-use super::netlists::{Form, Netlists, Reader, TOP};
+use super::netlists::{Assertions, Form, Netlists, Reader, TOP};
 use super::plant::Plan;
 use super::report::{Planted, ProofReport, ProofVerdict, Stage, Trace};
 use super::tools::{Ran, Tools, run};
@@ -16,6 +17,8 @@ use crate::target::shell_word;
 use crate::vm::{Vm, config};
 use saarcor_model::vm::CacheConfig;
 use serde_json::Value;
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Duration;
 
@@ -26,6 +29,8 @@ const RESET_SETS: u64 = 32;
 const MOST_CLOCKS: u32 = 60;
 /// Parts of the state whose updates are dropped.
 const MOST_PARTS: usize = 4;
+/// Wires that are tried as what says when a request changes the state.
+const MOST_COMMITS: usize = 4;
 /// Faults of the run's own that have to be refuted at least.
 const LEAST_PLANTED: usize = 3;
 /// ABC searches from zeros: what it finds can be replayed.
@@ -61,6 +66,9 @@ struct Proof<'a> {
     progress: &'a (dyn Fn(&str) + Sync),
 }
 
+/// The name of the size that is proved with its reset.
+const RESET: &str = "reset";
+
 /// A size that is proved by induction.
 #[derive(Clone, Copy)]
 struct Size<'a> {
@@ -76,6 +84,8 @@ struct Induction {
     is_proved: bool,
     says: String,
     seconds: f64,
+    /// The relations that were found and do not hold.
+    failed: BTreeSet<usize>,
 }
 
 /// Proves an implementation, or refutes it; `progress` hears what is done.
@@ -88,6 +98,12 @@ pub fn prove(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<ProofReport, Error> {
     let cache = asked.config.check(asked.kind)?;
+    // What is not used is not there.
+    let config = ProveConfig {
+        state: asked.config.state.clone().filter(|_| !asked.from_ports),
+        ..asked.config.clone()
+    };
+    let asked = &Asked { config: &config, ..asked.clone() };
     let is_sized = asked.config.is_sized();
     let resized =
         |sets: u64| if is_sized { with_sets(&cache, sets.min(cache.geometry.sets())) } else { cache };
@@ -105,13 +121,13 @@ pub fn prove(
 
 impl Proof<'_> {
     fn run(&mut self, cache: &CacheConfig, reduced: &CacheConfig, few: &CacheConfig) -> Result<(), Error> {
-        let by_induction = self.asked.config.state.is_some() && !self.asked.from_ports;
+        let by_induction = self.asked.config.state.is_some();
         let sizes = if by_induction { sizes(cache, reduced) } else { Vec::new() };
-        let (few_claims, inductions) = std::thread::scope(|scope| {
+        let (claims, inductions) = std::thread::scope(|scope| {
             let few = scope.spawn(|| self.few(few));
             let mut inductions = Vec::new();
             for size in &sizes {
-                let done = self.induction(size);
+                let done = self.induction(size, Assertions::State, &mut Found::default());
                 let goes_on = done.as_ref().is_ok_and(|done| done.is_proved);
                 inductions.push(done);
                 if !goes_on {
@@ -120,30 +136,23 @@ impl Proof<'_> {
             }
             (few.join(), inductions)
         });
-        let claims = few_claims.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        let claims = claims.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
         let mut proved = Vec::new();
         for (size, done) in sizes.iter().zip(inductions) {
-            let done = done?;
-            let says = if size.is_cold { "with a cold set" } else { "with the reset" };
-            let at = config::text(size.cache);
-            if done.is_proved {
-                proved.push(size.name);
-            } else {
-                self.report.reason = format!("{says}, {at}: {}", done.says);
-            }
-            if size.is_cold {
-                self.report.assumed.push(format!(
-                    "at {at}: the set is cold in the first clock, nothing is answered then, and there is no reset"
-                ));
-            }
-            self.stage(says, at, done.says, done.seconds);
+            self.note(size, done?, &mut proved);
         }
-        let is_proved = if by_induction {
-            proved.len() == sizes.len()
-        } else {
+        let mut is_proved = by_induction && proved.len() == sizes.len();
+        if !is_proved {
+            // Most faults show at once.
+            if self.is_refuted_among_few(few, "few-claims", self.asked.limit / 40)? {
+                return Ok(());
+            }
+            is_proved = self.prove_with_relations(cache, reduced, &mut proved)?;
+        }
+        if !is_proved && !by_induction {
             self.netlists.map("few-any", &claims, FROM_ANYTHING)?;
-            self.prove_from_ports(few)?
-        };
+            is_proved = self.prove_from_ports(few)?;
+        }
         if !is_proved {
             // A set can be cold where it is shown.
             let is_shown = self.asked.config.state.is_some();
@@ -177,9 +186,102 @@ impl Proof<'_> {
         Ok(())
     }
 
+    /// Notes how an induction ended.
+    fn note(&mut self, size: &Size<'_>, done: Induction, proved: &mut Vec<&'static str>) {
+        let says = if size.is_cold { "with a cold set" } else { "with the reset" };
+        let at = config::text(size.cache);
+        if done.is_proved {
+            proved.push(size.name);
+        } else {
+            self.report.reason = format!("{says}, {at}: {}", done.says);
+        }
+        if size.is_cold {
+            let says = format!(
+                "at {at}: the set is cold in the first clock, nothing is answered then, and there is no reset"
+            );
+            if !self.report.assumed.contains(&says) {
+                self.report.assumed.push(says);
+            }
+        }
+        self.stage(says, at, done.says, done.seconds);
+    }
+
+    /// Tries an induction with relations that the run finds itself, where what is shown is not enough: for all that is not
+    /// `proved`, or, from the ports alone, for the reduced size.
+    fn prove_with_relations(
+        &mut self,
+        cache: &CacheConfig,
+        reduced: &CacheConfig,
+        proved: &mut Vec<&'static str>,
+    ) -> Result<bool, Error> {
+        (self.progress)("A simulation shows how the state stands to the specification's");
+        let Some(mut found) = self.find(reduced)? else { return Ok(false) };
+        let is_shown = self.asked.config.state.is_some();
+        let of = if is_shown { Assertions::State } else { Assertions::Found };
+        // The reset of a large memory is a write port a word: only sources that can leave it out are read at the stated size.
+        let mut left = sizes(cache, reduced);
+        left.retain(|size| (!size.is_cold || self.netlists.knows_cold()) && !proved.contains(&size.name));
+        // What a reset leaves stands in the relations that hold with it, and is what a cold set is.
+        left.reverse();
+        for size in &left {
+            let done = self.induction(size, of, &mut found)?;
+            let is_proved = done.is_proved;
+            self.note(size, done, proved);
+            if !is_proved {
+                break;
+            }
+        }
+        let all = sizes(cache, reduced);
+        let is_proved = all.iter().all(|size| proved.contains(&size.name));
+        if !is_shown && !is_proved && proved.contains(&RESET) {
+            let says = format!("what is proved is {}, and no other size", config::text(reduced));
+            self.report.assumed.push(says);
+            return Ok(true);
+        }
+        Ok(is_proved)
+    }
+
+    /// What a simulation shows of the state.
+    fn find(&self, cache: &CacheConfig) -> Result<Option<Found>, Error> {
+        if cache.geometry.sets() > RESET_SETS {
+            return Ok(None);
+        }
+        let json = self.netlists.elaborate("found", cache, Form::Violations, &Found::default())?;
+        let candidates = Found::candidates(&json, TOP, cache);
+        let watched = found::watched(self.asked.config, cache);
+        let simulated = |json: &Value, wires: &[(String, usize)]| -> Result<Samples, Error> {
+            let wires = [&watched[..], wires].concat();
+            let mut graph = self.netlists.simulation("found", json, &wires)?;
+            Ok(Samples::new(&mut graph, cache, &wires))
+        };
+        let related = |commit: Option<String>| -> Result<(Found, usize), Error> {
+            let found = Found { commit, ..candidates.clone() };
+            let json = self.netlists.elaborate("found", cache, Form::Violations, &found)?;
+            let samples = simulated(&json, &found.inputs(cache))?;
+            Ok(found::relations(&samples, &found, cache))
+        };
+        let mut best = related(None)?;
+        let most = found::most_of_set(cache);
+        if best.1 < most {
+            let wires = found::commit_wires(&json, TOP);
+            let samples = simulated(&json, &wires)?;
+            let commits = found::commits(&samples, self.asked.config.outstanding, &wires);
+            for commit in commits.into_iter().take(MOST_COMMITS) {
+                let next = related(Some(commit))?;
+                if next.1 > best.1 {
+                    best = next;
+                }
+                if best.1 == most {
+                    break;
+                }
+            }
+        }
+        Ok(Some(best.0))
+    }
+
     /// The netlist of the claims with few sets.
     fn few(&self, few: &CacheConfig) -> Result<Value, Error> {
-        let json = self.netlists.elaborate("few-claims", few, Form::Violations)?;
+        let json = self.netlists.elaborate("few-claims", few, Form::Violations, &Found::default())?;
         let plan = Plan::new(&json, TOP);
         if let Some(says) = plan.unclocked() {
             return Err(says.into());
@@ -328,7 +430,7 @@ impl Proof<'_> {
     /// Each thing that has to happen can.
     fn show_covers(&mut self, few: &CacheConfig) -> Result<(), Error> {
         (self.progress)("ABC reaches what the claims are about");
-        let json = self.netlists.elaborate("few-covers", few, Form::Covers)?;
+        let json = self.netlists.elaborate("few-covers", few, Form::Covers, &Found::default())?;
         self.netlists.map("few-covers", &json, FROM_ZEROS)?;
         let names = harness::covers(self.asked.config, few.geometry.ways());
         let (clocks, seconds) = self.happens("few-covers", names.len())?;
@@ -344,7 +446,7 @@ impl Proof<'_> {
         (self.progress)("ABC refutes faults of the run's own");
         let limited = |plan: &Plan<'_>| Vec::from_iter(plan.parts().into_iter().take(MOST_PARTS));
         let parts = limited(&Plan::new(claims, TOP)).len();
-        let json = self.netlists.elaborate("few-planted", few, Form::Planted { parts })?;
+        let json = self.netlists.elaborate("few-planted", few, Form::Planted { parts }, &Found::default())?;
         let plan = Plan::new(&json, TOP);
         let parts = limited(&plan);
         self.netlists.map("few-planted", &plan.with_faults(&parts, harness::FIRST_PART), FROM_ZEROS)?;
@@ -360,17 +462,37 @@ impl Proof<'_> {
         Ok(())
     }
 
-    /// Tries to prove a size by induction.
-    fn induction(&self, size: &Size<'_>) -> Result<Induction, Error> {
+    /// Tries to prove a size by induction. Relations that were found and do not hold are dropped.
+    fn induction(&self, size: &Size<'_>, of: Assertions, found: &mut Found) -> Result<Induction, Error> {
         let Size { name, cache, is_cold } = *size;
         (self.progress)(&format!("{}: induction", config::text(cache)));
         let netlist = format!("{name}-state");
-        let json = self.netlists.elaborate(&netlist, cache, Form::Assertions { has_state: true, is_cold })?;
-        self.netlists.map(&netlist, &json, Reader::Solver)?;
         let mut seconds = 0.0;
+        loop {
+            let json = self.netlists.elaborate(&netlist, cache, Form::Assertions { of, is_cold }, found)?;
+            self.netlists.map(&netlist, &json, Reader::Solver)?;
+            let mut tried = self.induction_once(&netlist)?;
+            seconds += tried.seconds;
+            tried.seconds = seconds;
+            let is_over = seconds > self.asked.limit.as_secs_f64();
+            if tried.is_proved || is_over || !found.drop(&tried.failed) {
+                let relations = found.relations.len();
+                if tried.is_proved && relations > 0 {
+                    let _ = write!(tried.says, ", with {relations} relations that were found");
+                }
+                return Ok(tried);
+            }
+        }
+    }
+
+    fn induction_once(&self, netlist: &str) -> Result<Induction, Error> {
+        let (mut seconds, mut failed) = (0.0, BTreeSet::new());
         let mut is_shown = |name: &str, flags: &str| -> Result<Option<&'static str>, Error> {
-            let ran = self.smtbmc(&netlist, name, flags, self.asked.limit)?;
+            let ran = self.smtbmc(netlist, name, flags, self.asked.limit)?;
             seconds += ran.seconds;
+            let places = ran.text.lines().filter_map(|line| line.split_once("Assert failed in"));
+            let number = |word: &str| word.strip_prefix(harness::RELATION)?.parse::<usize>().ok();
+            failed.extend(places.flat_map(|(_, place)| place.split_whitespace().filter_map(number)));
             Ok(match (ran.text.contains("Status: PASSED"), ran.timed_out) {
                 (true, _) => None,
                 (false, true) => Some("not done in time"),
@@ -393,7 +515,7 @@ impl Proof<'_> {
                 break;
             }
         }
-        Ok(Induction { is_proved, says, seconds })
+        Ok(Induction { is_proved, says, seconds, failed })
     }
 
     fn smtbmc(&self, netlist: &str, step: &str, flags: &str, limit: Duration) -> Result<Ran, Error> {
@@ -406,8 +528,8 @@ impl Proof<'_> {
         let at = config::text(cache);
         (self.progress)(&format!("{at}: a counterexample is looked for"));
         let netlist = format!("{name}-claims");
-        let json =
-            self.netlists.elaborate(&netlist, cache, Form::Assertions { has_state: false, is_cold })?;
+        let form = Form::Assertions { of: Assertions::Claims, is_cold };
+        let json = self.netlists.elaborate(&netlist, cache, form, &Found::default())?;
         self.netlists.map(&netlist, &json, Reader::Solver)?;
         let search = format!("-t {MOST_CLOCKS} --dump-vcd {name}.vcd");
         let ran = self.smtbmc(&netlist, "search", &search, limit)?;
@@ -453,7 +575,7 @@ impl Proof<'_> {
 
 /// The sizes that are proved by induction, the quickest first.
 fn sizes<'a>(cache: &'a CacheConfig, reduced: &'a CacheConfig) -> Vec<Size<'a>> {
-    let reset = Size { name: "reset", cache: reduced, is_cold: false };
+    let reset = Size { name: RESET, cache: reduced, is_cold: false };
     let cold = Size { name: "cold", cache, is_cold: true };
     if reduced == cache { vec![reset] } else { vec![cold, reset] }
 }

@@ -1,6 +1,7 @@
 //! The module in which the implementation and the specification of one set stand side by side, with what is claimed.
 
 use super::config::ProveConfig;
+use super::found::Found;
 use super::table::pairs;
 use saarcor_model::vm::{CacheConfig, Policy};
 use std::fmt::Write as _;
@@ -52,6 +53,18 @@ pub fn covers(config: &ProveConfig, ways: u32) -> Vec<(String, String)> {
     covers
 }
 
+/// Bits of what is kept of a request until it is answered.
+pub const ENTRY: usize = 72;
+/// Its bit that says whether it reads a line of the set; below are the hit, the eviction, the way, and both addresses.
+pub const MINE: usize = 70;
+
+/// Bits of the order of a set, as the specification has it beside an implementation.
+#[must_use]
+pub fn order_bits(cache: &CacheConfig) -> usize {
+    let ways = cache.geometry.ways() as usize;
+    if cache.policy == Policy::Plru { (ways - 1).max(1) } else { (ways * (ways - 1) / 2).max(1) }
+}
+
 /// Bits of the input that plants a fault.
 const PLANTED_BITS: usize = 16;
 /// The first of its bits that plant faults in parts of the state.
@@ -83,10 +96,17 @@ pub fn planted(config: &ProveConfig, cache: &CacheConfig) -> Vec<(usize, &'stati
 /// Bit n of its output `happens` says that claim n is violated. Macros choose among its forms: `SAARCOR_COVER` for what has to
 /// be reached in the place of violations; `SAARCOR_PLANTED` for a violation with the one or the other fault, of which as many
 /// are in the state as there are `parts`; `SAARCOR_SMT` for SMT, where the set is a constant and claims are assertions;
-/// `SAARCOR_COLD` for a cold set in the place of the reset; `SAARCOR_STATE` for the claims about the state that is shown. Each
-/// bit of `free_planted` stands for a fault: those of [`PLANTED`], and in parts of the state from [`FIRST_PART`] on.
+/// `SAARCOR_COLD` for a cold set in the place of the reset; `SAARCOR_INDUCTION` for what an induction needs beside the claims:
+/// the relations that were found, and, with `SAARCOR_STATE`, claims about the state that is shown. Each bit of `free_planted`
+/// stands for a fault: those of [`PLANTED`], and in parts of the state from [`FIRST_PART`] on.
 #[must_use]
-pub fn verilog(config: &ProveConfig, cache: &CacheConfig, free: &[FreeInput], parts: usize) -> String {
+pub fn verilog(
+    config: &ProveConfig,
+    cache: &CacheConfig,
+    free: &[FreeInput],
+    parts: usize,
+    found: &Found,
+) -> String {
     let ways = cache.geometry.ways() as usize;
     let way_bits = cache.geometry.ways().trailing_zeros();
     let line_bits = cache.geometry.line().0.trailing_zeros();
@@ -98,6 +118,9 @@ pub fn verilog(config: &ProveConfig, cache: &CacheConfig, free: &[FreeInput], pa
     let _ = write!(text, ",\n    input [{}:0] free_planted", PLANTED_BITS - 1);
     for (name, width) in free {
         let _ = write!(text, ",\n    input [{}:0] env_{name}", width - 1);
+    }
+    for (name, width) in found.inputs(cache) {
+        let _ = write!(text, ",\n    input [{}:0] {name}", width - 1);
     }
     let covers = covers(config, ways as u32);
     let mut faults: Vec<_> = planted(config, cache).into_iter().map(|(bit, _)| bit).collect();
@@ -113,7 +136,7 @@ pub fn verilog(config: &ProveConfig, cache: &CacheConfig, free: &[FreeInput], pa
     let _ = write!(
         text,
         ");
-    localparam OUTSTANDING = {outstanding}, LATENCY = {latency}, EARLY = {early}, ENTRY = 72;
+    localparam OUTSTANDING = {outstanding}, LATENCY = {latency}, EARLY = {early}, ENTRY = {ENTRY}, MINE = {MINE}, SET_BITS = {set_bits};
     reg first = 1;
     always @(posedge clock) first <= 0;
 `ifdef SAARCOR_COLD
@@ -162,6 +185,7 @@ pub fn verilog(config: &ProveConfig, cache: &CacheConfig, free: &[FreeInput], pa
         // At once is within one clock.
         latency = config.latency.max(1),
         early = u32::from(config.latency == 0),
+        set_bits = cache.geometry.set_bits(),
         forget = if config.request.invalidate.is_some() { "free_forget" } else { "0" },
         answer_ready = if config.answer.ready.is_some() { "free_ready" } else { "1" },
         ready = if config.request.ready.is_some() { "" } else { " = 1" },
@@ -183,24 +207,21 @@ pub fn verilog(config: &ProveConfig, cache: &CacheConfig, free: &[FreeInput], pa
         config.ports(cache).iter().map(|port| format!(".{}({})", port.name, port.wire)).collect();
     ports.extend(free.iter().map(|(name, _)| format!(".{name}(env_{name})")));
     let _ = writeln!(text, "    {}{parameters} dut({});", config.top, ports.join(", "));
-    let order_top = (ways * (ways - 1) / 2).max(1) - 1;
-    let order_top = if cache.policy == Policy::Plru { (ways - 1).max(1) - 1 } else { order_top };
+    let order_top = order_bits(cache) - 1;
     let _ = write!(
         text,
         "    wire accepted = valid && ready && !reset;
-    // The request that changes the state in this clock: the one that is taken, or, where the implementation says when, the
-    // oldest that is waiting.
+    // The request that changes the state in this clock.
     reg [32:0] waiting = 0;
     reg [3:0] waits = 0;
-{commit}
-    wire mine, hit, evicts, legal, forgets;
+{commit}    wire mine, hit, evicts, legal, forgets;
     wire [3:0] way;
-    wire [31:0] evicted, card;
+    wire [31:0] evicted, card, sum;
     wire [{ways_top}:0] resident;
     wire [{lines_top}:0] lines;
     wire [{order_top}:0] order;
-    saarcor_set set(clock, reset, step, step_forgets, step_address, witness, mine, hit, evicts, way, evicted, card, resident,
-        lines, order, legal, forgets);
+    saarcor_set set(clock, reset, step, step_forgets, step_address, witness, mine, hit, evicts, way, evicted, card, sum,
+        resident, lines, order, legal, forgets);
     // What is to be answered, the oldest request first: so many are taken, and so many of them are waiting.
     reg [ENTRY*OUTSTANDING-1:0] queue = 0;
     reg [3:0] count = 0;
@@ -232,21 +253,7 @@ pub fn verilog(config: &ProveConfig, cache: &CacheConfig, free: &[FreeInput], pa
     wire judged = answer_valid && is_there && want_mine && !reset;
 `ifdef SAARCOR_COVER
 ",
-        commit = if config.state.as_ref().is_some_and(|state| state.waiting.is_some()) {
-            "`ifdef SAARCOR_STATE
-    wire step = shown_commit && waits != 0 && !reset;
-    wire step_forgets = waiting[32];
-    wire [31:0] step_address = waiting[31:0];
-`else
-    wire step = accepted;
-    wire step_forgets = forget;
-    wire [31:0] step_address = address;
-`endif"
-        } else {
-            "    wire step = accepted;
-    wire step_forgets = forget;
-    wire [31:0] step_address = address;"
-        },
+        commit = steps(config, found),
         ways_top = ways - 1,
         lines_top = 32 * ways - 1,
     );
@@ -274,18 +281,52 @@ pub fn verilog(config: &ProveConfig, cache: &CacheConfig, free: &[FreeInput], pa
             1 << bit
         );
     }
-    text.push_str("`else\n    assign happens = violated;\n`endif\n`endif\n`ifdef SAARCOR_STATE\n");
+    text.push_str("`else\n    assign happens = violated;\n`endif\n`endif\n`ifdef SAARCOR_INDUCTION\n    always @* if (!first) begin\n");
+    text.push_str("        state_count: assert(count <= OUTSTANDING && waits <= count && waited < LATENCY);\n        state_legal: assert(legal);\n");
+    for (n, relation) in found.relations.iter().enumerate() {
+        let _ = writeln!(text, "        {RELATION}{n}: assert({});", relation.text);
+    }
+    text.push_str("    end\n`endif\n`ifdef SAARCOR_STATE\n");
     state_claims(&mut text, config, cache, tag_bits, way_bits.max(1));
     text.push_str("`endif\n`ifdef SAARCOR_COLD\n");
-    assume_cold(&mut text, config, cache, way_bits.max(1));
+    assume_cold(&mut text, config, cache, way_bits.max(1), found);
     text.push_str("`endif\nendmodule\n");
     text
+}
+
+/// The name of a relation that was found, before its number.
+pub const RELATION: &str = "relation_";
+
+/// When a request changes the state of the specification: when it is taken, or, where the implementation says when, the oldest
+/// that is waiting.
+fn steps(config: &ProveConfig, found: &Found) -> String {
+    let at_once = "    wire step = accepted;
+    wire step_forgets = forget;
+    wire [31:0] step_address = address;
+";
+    let waiting = |commit: &str| {
+        format!(
+            "    wire step = {commit} && waits != 0 && !reset;
+    wire step_forgets = waiting[32];
+    wire [31:0] step_address = waiting[31:0];
+"
+        )
+    };
+    if found.commit.is_some() {
+        waiting("found_commit")
+    } else if config.state.as_ref().is_some_and(|state| state.waiting.is_some()) {
+        format!("`ifdef SAARCOR_STATE\n{}`else\n{at_once}`endif\n", waiting("shown_commit"))
+    } else {
+        at_once.to_owned()
+    }
 }
 
 /// That the state which is shown is the specification's.
 fn state_claims(text: &mut String, config: &ProveConfig, cache: &CacheConfig, tag_bits: u32, way_bits: u32) {
     let ways = cache.geometry.ways() as usize;
-    text.push_str("    always @* if (!first) begin\n        state_count: assert(count <= OUTSTANDING && waits <= count && waited < LATENCY);\n        state_legal: assert(legal);\n        state_resident: assert(shown_resident == resident);\n");
+    text.push_str(
+        "    always @* if (!first) begin\n        state_resident: assert(shown_resident == resident);\n",
+    );
     for way in 0..ways {
         let low = way as u32 * tag_bits;
         let _ = writeln!(
@@ -329,18 +370,26 @@ fn state_claims(text: &mut String, config: &ProveConfig, cache: &CacheConfig, ta
     text.push_str("    end\n");
 }
 
-/// That the set is cold in the first clock, as after a reset.
-fn assume_cold(text: &mut String, config: &ProveConfig, cache: &CacheConfig, way_bits: u32) {
+/// That the set is cold in the first clock, as after a reset: what is shown says so, and what was found stands to a cold set as
+/// it should.
+fn assume_cold(text: &mut String, config: &ProveConfig, cache: &CacheConfig, way_bits: u32, found: &Found) {
     let ways = cache.geometry.ways();
-    text.push_str("    always @* if (first) begin\n        assume(shown_resident == 0 && !answer_valid);\n");
-    if config.state.as_ref().is_some_and(|state| state.waiting.is_some()) {
-        text.push_str("        assume(!shown_waiting);\n");
+    text.push_str("    always @* if (first) begin\n        assume(!answer_valid);\n");
+    for relation in &found.relations {
+        let _ = writeln!(text, "        assume({});", relation.text);
     }
-    if cache.policy == Policy::Plru && ways > 1 {
-        text.push_str("        assume(shown_tree == 0);\n");
-    } else if ways > 1 {
-        for way in 0..ways {
-            let _ = writeln!(text, "        assume(shown_ages[{} +: {way_bits}] == {way});", way * way_bits);
+    if let Some(state) = &config.state {
+        text.push_str("        assume(shown_resident == 0);\n");
+        if state.waiting.is_some() {
+            text.push_str("        assume(!shown_waiting);\n");
+        }
+        if cache.policy == Policy::Plru && ways > 1 {
+            text.push_str("        assume(shown_tree == 0);\n");
+        } else if ways > 1 {
+            for way in 0..ways {
+                let _ =
+                    writeln!(text, "        assume(shown_ages[{} +: {way_bits}] == {way});", way * way_bits);
+            }
         }
     }
     text.push_str("    end\n");

@@ -6,16 +6,20 @@
 //! | [`checker`] | the table in Verilog: one set, any of them |
 //! | [`config`] | the table `[prove]` of `dut.toml` |
 //! | [`harness`] | the implementation beside the checker, and what is claimed |
+//! | [`found`] | the state of an implementation that does not show it |
+//! | `aiger` | a simulation of netlists |
 //! | `netlists` | their netlists, by Yosys |
 //! | [`plant`] | faults of the run's own, which have to be refuted |
 //! | [`tools`] | Yosys, ABC and a solver |
 //! | [`driver`] | a proof from beginning to end |
 //! | [`report`] | what it found |
 
+mod aiger;
 pub mod checker;
 pub mod config;
 #[cfg(unix)]
 pub mod driver;
+pub mod found;
 pub mod harness;
 #[cfg(unix)]
 mod netlists;

@@ -1,8 +1,10 @@
 //! Netlists of an implementation beside the specification of one of its sets, by Yosys.
 
+use super::aiger::Graph;
 use super::checker;
 use super::config::ProveConfig;
 use super::driver::Asked;
+use super::found::{self, Found};
 use super::harness::{self, FreeInput};
 use super::plant::settle_writes;
 use super::table::Table;
@@ -31,9 +33,19 @@ pub(super) enum Form {
     Covers,
     /// A violation with each of the run's own faults, as outputs; so many of the faults are in the state.
     Planted { parts: usize },
-    /// Claims as assertions, with those about the state that is shown or without, and with a cold set in the place of the
-    /// reset or with it.
-    Assertions { has_state: bool, is_cold: bool },
+    /// Claims as assertions, for a search or for an induction, and with a cold set in the place of the reset or with it.
+    Assertions { of: Assertions, is_cold: bool },
+}
+
+/// What is asserted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Assertions {
+    /// The claims.
+    Claims,
+    /// The claims, and the relations that were found.
+    Found,
+    /// These, and claims about the state that is shown.
+    State,
 }
 
 /// Who reads a netlist.
@@ -72,6 +84,12 @@ impl<'a> Netlists<'a> {
 
     fn config(&self) -> &ProveConfig {
         self.asked.config
+    }
+
+    /// Whether the sources have a form for proofs that begin with a cold set.
+    pub fn knows_cold(&self) -> bool {
+        let mut texts = self.sources.iter().map(fs::read_to_string);
+        texts.any(|text| text.is_ok_and(|text| text.contains("SAARCOR_COLD")))
     }
 
     /// Looks at the ports of the top module: all that are named are there, as wide as they have to be. Gives the inputs that
@@ -144,7 +162,13 @@ impl<'a> Netlists<'a> {
     }
 
     /// The implementation beside the specification, before memories are mapped: `NAME.json`.
-    pub fn elaborate(&self, name: &str, cache: &CacheConfig, form: Form) -> Result<Value, Error> {
+    pub fn elaborate(
+        &self,
+        name: &str,
+        cache: &CacheConfig,
+        form: Form,
+        found: &Found,
+    ) -> Result<Value, Error> {
         let (mut macros, mut parts) = (String::new(), 0);
         let (mut is_cold, mut keeps_assertions) = (false, false);
         match form {
@@ -154,15 +178,22 @@ impl<'a> Netlists<'a> {
                 parts = of_state;
                 macros.push_str(" -DSAARCOR_PLANTED");
             }
-            Form::Assertions { has_state, is_cold: cold } => {
-                (is_cold, keeps_assertions) = (cold, has_state && self.config().assertions);
+            Form::Assertions { of, is_cold: cold } => {
+                (is_cold, keeps_assertions) = (cold, of != Assertions::Claims && self.config().assertions);
                 macros.push_str(" -DSAARCOR_SMT");
-                macros.push_str(if has_state { " -DSAARCOR_STATE" } else { "" });
+                macros.push_str(match of {
+                    Assertions::Claims => "",
+                    Assertions::Found => " -DSAARCOR_INDUCTION",
+                    Assertions::State => " -DSAARCOR_INDUCTION -DSAARCOR_STATE",
+                });
                 macros.push_str(if cold { " -DSAARCOR_COLD" } else { "" });
             }
         }
         self.write(&format!("{name}-set.v"), &checker::verilog(cache, &self.table))?;
-        self.write(&format!("{name}-prove.v"), &harness::verilog(self.config(), cache, &self.free, parts))?;
+        self.write(
+            &format!("{name}-prove.v"),
+            &harness::verilog(self.config(), cache, &self.free, parts, found),
+        )?;
         let script = format!(
             "{}read_verilog -sv -formal{macros} {name}-set.v {name}-prove.v\n{}check -assert\nwrite_json {name}.json\n",
             self.read_sources(is_cold),
@@ -171,7 +202,19 @@ impl<'a> Netlists<'a> {
         self.yosys(name, &script)?;
         let mut json = self.json(name)?;
         settle_writes(&mut json, TOP);
+        found.connect(&mut json, TOP, cache);
         Ok(json)
+    }
+
+    /// A simulation of an elaborated netlist, which shows wires.
+    pub fn simulation(&self, name: &str, json: &Value, wires: &[(String, usize)]) -> Result<Graph, Error> {
+        let mut json = json.clone();
+        found::show(&mut json, TOP, wires);
+        self.map(name, &json, Reader::Abc { begins_at_zero: true })?;
+        let path = self.asked.work.join(format!("{name}.aig"));
+        let graph = fs::read(&path).map_err(Error::system(format!("{}: cannot be read", path.display())))?;
+        Graph::parse(&graph, &self.read(&format!("{name}.aim"))?)
+            .ok_or_else(|| format!("{}: no netlist of Yosys", path.display()).into())
     }
 
     /// Makes the netlist `to` that somebody reads of an elaborated one, which may have been edited.

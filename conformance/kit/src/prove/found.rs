@@ -1,0 +1,630 @@
+//! What a run finds of an implementation that does not show its state: which memories and registers hold the lines of a
+//! set, their order, and a request that waits; and how they stand to the specification's state.
+//!
+//! What holds in all clocks of a simulation is a guess, no more: each relation is then an assertion of a proof by induction,
+//! which drops those that do not hold (Flanagan and Leino, *Houdini, an annotation assistant for ESC/Java*, 2001).
+
+use super::aiger::Graph;
+use super::config::ProveConfig;
+use super::harness;
+use saarcor_model::vm::{CacheConfig, HostAddr, LineAddr};
+use saarcor_random::Random;
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Clocks that are simulated.
+const CLOCKS: usize = 1500;
+/// Widest register that is looked at.
+const MAX_WIDTH: usize = 128;
+/// Most bits, and most values, of parts that are related as a whole.
+const MAX_BITS: usize = 40;
+const MAX_VALUES: usize = 800;
+/// Widest register of those that may control others.
+const CONTROL_WIDTH: usize = 4;
+
+/// A part of an implementation's state that is shown to the harness.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// A word of a memory: that of the set, or one of the set's.
+    Word {
+        /// The memory.
+        memory: String,
+        /// The number of the word in the set, and how many there are.
+        way: u32,
+        /// How many words a set has.
+        ways: u32,
+        /// Whether the words of a set stand side by side.
+        is_side_by_side: bool,
+    },
+    /// A wire.
+    Wire(String),
+}
+
+/// A part, and the wire of the harness that shows it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Shown {
+    /// The part.
+    pub part: Part,
+    /// The wire.
+    pub wire: String,
+    /// Its bits.
+    pub width: usize,
+    /// Whether it is the set of a request, and so has as many bits as there are for sets.
+    pub is_set: bool,
+}
+
+/// A relation that may hold in each clock but the first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Relation {
+    /// The condition, in Verilog.
+    pub text: String,
+    /// What it consists of, where it may be taken apart.
+    pub parts: Vec<String>,
+}
+
+/// What was found.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Found {
+    /// The wire that says that the oldest request which waits changes the state in this clock; none where each request
+    /// does in the clock in which it is taken.
+    pub commit: Option<String>,
+    /// The parts of the state.
+    pub parts: Vec<Shown>,
+    /// The relations.
+    pub relations: Vec<Relation>,
+}
+
+impl Found {
+    /// What may show the state of an implementation: its memories of a word or more a set, and its registers.
+    #[must_use]
+    pub fn candidates(netlist: &Value, top: &str, cache: &CacheConfig) -> Self {
+        let module = &netlist["modules"][top];
+        let (sets, all_ways) = (cache.geometry.sets(), cache.geometry.ways());
+        let mut parts: Vec<(Part, usize)> = Vec::new();
+        for (name, memory) in module["memories"].as_object().into_iter().flatten() {
+            let number = |key: &str| memory[key].as_u64().unwrap_or_default();
+            let is_one_a_set = number("size") == sets;
+            let is_one_a_way = number("size") == sets * u64::from(all_ways);
+            if !is_of_dut(name) || number("start_offset") != 0 || !(is_one_a_set || is_one_a_way) {
+                continue;
+            }
+            let ways = if is_one_a_set { 1 } else { all_ways };
+            for is_side_by_side in [true, false] {
+                if ways == 1 && !is_side_by_side {
+                    continue;
+                }
+                let word = |way| Part::Word { memory: name.clone(), way, ways, is_side_by_side };
+                parts.extend((0..ways).map(|way| (word(way), number("width") as usize)));
+            }
+        }
+        let registers: BTreeSet<String> = module["cells"]
+            .as_object()
+            .into_iter()
+            .flatten()
+            .filter(|(_, cell)| cell["type"].as_str().is_some_and(|kind| kind.contains("dff")))
+            .map(|(_, cell)| cell["connections"]["Q"].to_string())
+            .collect();
+        // Of wires that are the same register the shortest name stands for all.
+        let mut names: BTreeMap<String, (&str, usize)> = BTreeMap::new();
+        for (name, wire) in wires_of_dut(module) {
+            let bits = wire.to_string();
+            let width = wire.as_array().map_or(0, Vec::len);
+            if registers.contains(&bits) && width <= MAX_WIDTH {
+                let best = names.entry(bits).or_insert((name, width));
+                if name.len() < best.0.len() {
+                    best.0 = name;
+                }
+            }
+        }
+        parts.extend(names.into_values().map(|(name, width)| (Part::Wire(name.to_owned()), width)));
+        let shown = |(n, (part, width))| Shown { part, wire: format!("found_part{n}"), width, is_set: false };
+        Self { parts: parts.into_iter().enumerate().map(shown).collect(), ..Self::default() }
+    }
+
+    /// Drops relations by their numbers; those that consist of parts are taken apart. Whether there were any.
+    pub fn drop(&mut self, numbers: &BTreeSet<usize>) -> bool {
+        let relations = std::mem::take(&mut self.relations);
+        let before = relations.len();
+        for (n, relation) in relations.into_iter().enumerate() {
+            if numbers.contains(&n) {
+                let parts = relation.parts.into_iter();
+                self.relations.extend(parts.map(|text| Relation { text, parts: Vec::new() }));
+            } else {
+                self.relations.push(relation);
+            }
+        }
+        numbers.iter().any(|&number| number < before)
+    }
+
+    /// The inputs that the harness has for what was found: their names and widths.
+    #[must_use]
+    pub fn inputs(&self, cache: &CacheConfig) -> Vec<(String, usize)> {
+        let width =
+            |shown: &Shown| if shown.is_set { cache.geometry.set_bits() as usize } else { shown.width };
+        let parts = self.parts.iter().map(|shown| (shown.wire.clone(), width(shown)));
+        self.commit.iter().map(|_| ("found_commit".to_owned(), 1)).chain(parts).collect()
+    }
+
+    /// Connects these inputs of the harness with what they stand for.
+    pub fn connect(&self, netlist: &mut Value, top: &str, cache: &CacheConfig) {
+        let module = &mut netlist["modules"][top];
+        let set: Vec<Value> = module["netnames"]["witness"]["bits"].as_array().cloned().unwrap_or_default();
+        let set = &set[..set.len().min(cache.geometry.set_bits() as usize)];
+        let wires = self.commit.iter().map(|name| ("found_commit".to_owned(), Part::Wire(name.clone())));
+        let parts = self.parts.iter().map(|shown| (shown.wire.clone(), shown.part.clone()));
+        for (input, part) in wires.chain(parts) {
+            let bits = module["netnames"][&input]["bits"].clone();
+            let width = bits.as_array().map_or(0, Vec::len);
+            let binary = |number: usize| format!("{number:032b}");
+            let cell = match part {
+                Part::Wire(name) => {
+                    let wire = &module["netnames"][name]["bits"];
+                    let own = wire.as_array().map_or(0, Vec::len);
+                    json!({
+                        "type": "$pos",
+                        "parameters": { "A_SIGNED": binary(0), "A_WIDTH": binary(own), "Y_WIDTH": binary(width) },
+                        "port_directions": { "A": "input", "Y": "output" },
+                        "connections": { "A": wire, "Y": bits },
+                    })
+                }
+                Part::Word { memory, way, ways, is_side_by_side } => {
+                    let way_bits = ways.trailing_zeros() as usize;
+                    let way = (0..way_bits).map(|bit| json!(if way >> bit & 1 == 1 { "1" } else { "0" }));
+                    let set = set.iter().cloned();
+                    let address: Vec<Value> =
+                        if is_side_by_side { way.chain(set).collect() } else { set.chain(way).collect() };
+                    json!({
+                        "type": "$memrd",
+                        "parameters": {
+                            "MEMID": format!("\\{memory}"), "ABITS": binary(address.len()), "WIDTH": binary(width),
+                            "CLK_ENABLE": binary(0), "CLK_POLARITY": binary(0), "TRANSPARENT": binary(0),
+                        },
+                        "port_directions": { "ADDR": "input", "CLK": "input", "EN": "input", "DATA": "output" },
+                        "connections": { "ADDR": address, "CLK": ["x"], "EN": ["x"], "DATA": bits },
+                    })
+                }
+            };
+            module["cells"][format!("${input}")] = cell;
+            module["cells"][format!("${input}")]["attributes"] = json!({});
+            // An output: else it would be a wire that may go.
+            module["ports"][&input]["direction"] = json!("output");
+        }
+    }
+}
+
+/// Makes wires outputs, so that a simulation shows them.
+pub(super) fn show(netlist: &mut Value, top: &str, wires: &[(String, usize)]) {
+    let module = &mut netlist["modules"][top];
+    for (name, _) in wires {
+        // What nobody reads may have gone.
+        let bits = module["netnames"][name]["bits"].clone();
+        if bits.is_array() {
+            module["ports"][name] = json!({ "direction": "output", "bits": bits });
+        }
+    }
+}
+
+fn is_of_dut(name: &str) -> bool {
+    name.starts_with("dut.")
+}
+
+/// The wires of the implementation that have names, with their bits.
+fn wires_of_dut(module: &Value) -> impl Iterator<Item = (&str, &Value)> {
+    let all = module["netnames"].as_object().into_iter().flatten();
+    all.map(|(name, wire)| (name.as_str(), &wire["bits"]))
+        .filter(|(name, _)| is_of_dut(name) && !name.contains('$'))
+}
+
+/// What a simulation showed of wires: of each bit a word a clock, with a bit for each of 64 runs. The first clock is left
+/// out.
+pub(super) struct Samples(BTreeMap<(String, usize), Vec<u64>>);
+
+impl Samples {
+    /// Simulates an implementation beside a specification of one of its sets, in 64 runs of random requests to few lines
+    /// of few sets, and notes the bits of wires.
+    pub fn new(graph: &mut Graph, cache: &CacheConfig, wires: &[(String, usize)]) -> Self {
+        let mut random = Random::new(0);
+        let sets = cache.geometry.sets();
+        let offset_bits = cache.geometry.line().0.trailing_zeros();
+        let ways = cache.geometry.ways() as usize;
+        // Of each run: its set, the lines that it asks for, most of them of that set, and how often it resets.
+        let runs: Vec<(u32, Vec<u32>, u64)> = (0..64)
+            .map(|_| {
+                let set = random.below(sets) as u32;
+                let mut lines = Vec::new();
+                while lines.len() < ways + 3 {
+                    let line = random.bits() as u32 >> offset_bits;
+                    if cache.set_of(LineAddr(line)).0 == set {
+                        lines.push(line);
+                    }
+                }
+                lines.extend((0..3).map(|_| random.bits() as u32 >> offset_bits));
+                (set, lines, random.pick(&[0, 1, 5]))
+            })
+            .collect();
+        let inputs: Vec<(String, usize, usize)> =
+            graph.inputs.iter().map(|((name, bit), index)| (name.clone(), *bit, *index)).collect();
+        let bits: Vec<(String, usize)> =
+            wires.iter().flat_map(|(name, width)| (0..*width).map(|bit| (name.clone(), bit))).collect();
+        let mut samples: Vec<Vec<u64>> = vec![Vec::with_capacity(CLOCKS); bits.len()];
+        let mut values = vec![0; graph.input_count()];
+        for clock in 0..=CLOCKS {
+            let mut address = [0_u64; 32];
+            let mut reset = 0;
+            for (run, (_, lines, resets)) in runs.iter().enumerate() {
+                let host = HostAddr(
+                    random.pick(lines) << offset_bits | random.bits() as u32 & ((1 << offset_bits) - 1),
+                );
+                for (bit, word) in address.iter_mut().enumerate() {
+                    *word |= u64::from(host.0 >> bit & 1) << run;
+                }
+                reset |= u64::from(random.percent(*resets)) << run;
+            }
+            for (name, bit, index) in &inputs {
+                values[*index] = match name.as_str() {
+                    "clock" => 0,
+                    "free_address" => address[*bit],
+                    "free_witness" => {
+                        runs.iter().enumerate().map(|(run, (set, ..))| u64::from(set >> bit & 1) << run).sum()
+                    }
+                    "free_reset" => reset,
+                    "free_valid" | "free_ready" => random.bits() | random.bits(),
+                    "free_forget" => random.bits() & random.bits() & random.bits(),
+                    "free_planted" => 0,
+                    _ => random.bits(),
+                };
+            }
+            graph.settle(&values);
+            for (place, sample) in bits.iter().zip(&mut samples) {
+                if clock > 0 {
+                    sample.push(graph.output(place).unwrap_or_default());
+                }
+            }
+            graph.rise();
+        }
+        Self(bits.into_iter().zip(samples).collect())
+    }
+
+    fn of(&self, name: &str, bit: usize) -> &[u64] {
+        self.0.get(&(name.to_owned(), bit)).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// The wires of the harness that a simulation notes, with their widths.
+#[must_use]
+pub(super) fn watched(config: &ProveConfig, cache: &CacheConfig) -> Vec<(String, usize)> {
+    let ways = cache.geometry.ways() as usize;
+    [
+        ("reset", 1),
+        ("accepted", 1),
+        ("answered", 1),
+        ("stalled", 1),
+        ("resident", ways),
+        ("order", harness::order_bits(cache)),
+        ("lines", 32 * ways),
+        ("count", 4),
+        ("waits", 4),
+        ("known", 4),
+        ("waited", 8),
+        ("waiting", 33),
+        ("sum", cache.geometry.set_bits() as usize),
+        ("queue", harness::ENTRY * config.outstanding as usize),
+    ]
+    .map(|(name, width)| (name.to_owned(), width))
+    .to_vec()
+}
+
+/// The wires of one bit of an implementation, which may say when a request changes the state.
+#[must_use]
+pub(super) fn commit_wires(netlist: &Value, top: &str) -> Vec<(String, usize)> {
+    let mut seen = BTreeSet::new();
+    wires_of_dut(&netlist["modules"][top])
+        .filter(|(_, bits)| bits.as_array().is_some_and(|bits| bits.len() == 1 && bits[0].is_u64()))
+        .filter(|(_, bits)| seen.insert(bits.to_string()))
+        .map(|(name, _)| (name.to_owned(), 1))
+        .collect()
+}
+
+/// The wires that may say when a request changes the state: in a simulation in which each request does so at once, each
+/// request is followed by one clock in which they are set before it is answered.
+pub(super) fn commits(samples: &Samples, outstanding: u32, wires: &[(String, usize)]) -> Vec<String> {
+    let mut seen = BTreeSet::new();
+    let mut commits = Vec::new();
+    for (wire, _) in wires {
+        let steps = steps(samples, outstanding, samples.of(wire, 0));
+        if let Some(steps) = steps
+            && seen.insert(steps)
+        {
+            commits.push(wire.clone());
+        }
+    }
+    commits
+}
+
+/// The clocks in which requests change the state, if a wire says so; none where it cannot be that.
+fn steps(samples: &Samples, outstanding: u32, wire: &[u64]) -> Option<Vec<u64>> {
+    let word = |name: &str, clock: usize| samples.of(name, 0).get(clock).copied().unwrap_or_default();
+    let mut steps = vec![0; wire.len()];
+    for run in 0..64 {
+        let (mut waits, mut known) = (0, 0);
+        for (clock, step) in steps.iter_mut().enumerate() {
+            let is = |word: u64| word >> run & 1 == 1;
+            if is(word("reset", clock)) {
+                (waits, known) = (0, 0);
+                continue;
+            }
+            if is(word("answered", clock)) {
+                known = if known == 0 { return None } else { known - 1 };
+            }
+            if is(wire[clock]) && waits > 0 {
+                (waits, known) = (waits - 1, known + 1);
+                *step |= 1 << run;
+            }
+            waits += u32::from(is(word("accepted", clock)));
+            // The harness keeps one request that waits.
+            if waits > 1 || waits + known > outstanding {
+                return None;
+            }
+        }
+    }
+    Some(steps)
+}
+
+/// How many bits of a set's lines, and of which are resident, can have relations.
+pub(super) fn most_of_set(cache: &CacheConfig) -> usize {
+    cache.geometry.ways() as usize * (1 + 32 - cache.geometry.line().0.trailing_zeros() as usize)
+}
+
+/// What held in a simulation: of what was found the parts that have relations, and how many bits of the set's lines and of
+/// which are resident have one.
+pub(super) fn relations(samples: &Samples, candidates: &Found, cache: &CacheConfig) -> (Found, usize) {
+    let mut found = candidates.clone();
+    let classes = classes(samples, candidates, cache);
+    let words: Vec<&str> = candidates.parts.iter().map(|shown| shown.wire.as_str()).collect();
+    let mut equal = Vec::new();
+    // Of each word the bits that have no relation of their own; and of narrow registers all that are no answers.
+    let mut others: Vec<Vec<Bit<'_>>> = Vec::new();
+    let mut controls: Vec<Bit<'_>> = Vec::new();
+    for (shown, wire) in candidates.parts.iter().zip(&words) {
+        let is_word = matches!(shown.part, Part::Word { .. });
+        let mut unrelated = Vec::new();
+        for number in 0..shown.width {
+            let bit = Bit { wire, number, samples: samples.of(wire, number) };
+            if bit.is_constant() {
+                continue;
+            }
+            let own: Vec<Equal<'_>> = classes.iter().filter_map(|class| class.equal(bit)).collect();
+            let is_answer = own.iter().any(|equal| equal.guard == ANSWER);
+            if is_word && own.is_empty() {
+                unrelated.push(bit);
+            } else if !is_word && !is_answer && shown.width <= CONTROL_WIDTH {
+                controls.push(bit);
+            }
+            equal.extend(own);
+        }
+        others.push(unrelated);
+    }
+    // Words lie side by side, or apart: what explains more of the set is right.
+    let of = |word: usize| equal.iter().filter(|equal| equal.part.wire == words[word]).count();
+    let is_right = |word: usize| match &candidates.parts[word].part {
+        Part::Word { memory, ways: 2.., is_side_by_side, .. } => {
+            let total = |side_by_side: bool| -> usize {
+                let alike = (0..words.len()).filter(|&other| {
+                    matches!(&candidates.parts[other].part, Part::Word { memory: name, is_side_by_side, .. }
+                        if name == memory && *is_side_by_side == side_by_side)
+                });
+                alike.map(of).sum()
+            };
+            let (own, other) = (total(*is_side_by_side), total(!is_side_by_side));
+            own > other || own == other && *is_side_by_side
+        }
+        _ => true,
+    };
+    let right: Vec<bool> = (0..words.len()).map(is_right).collect();
+    let is_of_right = |wire: &str| words.iter().zip(&right).all(|(word, right)| *word != wire || *right);
+    equal.retain(|equal| is_of_right(equal.part.wire));
+    let is_of_set = |equal: &&Equal<'_>| ["resident", "lines"].contains(&equal.own.wire);
+    let of_set: BTreeSet<_> =
+        equal.iter().filter(is_of_set).map(|equal| (equal.own.wire, equal.own.number)).collect();
+    let of_set = of_set.len();
+    // A register that holds the set of the request that waits has its width.
+    let set_bits = cache.geometry.set_bits() as usize;
+    for shown in &mut found.parts {
+        let is_sum = |equal: &&Equal<'_>| equal.part.wire == shown.wire && equal.own.wire == "sum";
+        shown.is_set = shown.width == set_bits && equal.iter().filter(is_sum).count() == set_bits;
+    }
+    let is_set = |wire: &str| found.parts.iter().any(|shown| shown.is_set && shown.wire == wire);
+    let (sets, equal): (Vec<_>, Vec<_>) = equal.into_iter().partition(|equal| is_set(equal.part.wire));
+    let mut relations = runs(equal);
+    relations.extend(sets.iter().filter(|equal| equal.own.number == 0).map(|equal| Relation {
+        text: format!("{}{} == sum[SET_BITS-1:0]", equal.guard, equal.part.wire),
+        parts: Vec::new(),
+    }));
+    // The order, in whatever form; with all that is left, or a word at a time.
+    let bits = |wire: &'static str, numbers: std::ops::Range<usize>| {
+        numbers.map(move |number| Bit { wire, number, samples: samples.of(wire, number) })
+    };
+    let order: Vec<_> = bits("order", 0..harness::order_bits(cache)).collect();
+    let unrelated: Vec<Vec<Bit<'_>>> = others
+        .into_iter()
+        .zip(&right)
+        .filter(|(bits, right)| **right && !bits.is_empty())
+        .map(|(bits, _)| bits)
+        .collect();
+    match group(&[unrelated.concat(), order.clone()].concat()) {
+        Some(relation) => relations.push(relation),
+        None => {
+            relations.extend(unrelated.into_iter().filter_map(|bits| group(&[bits, order.clone()].concat())))
+        }
+    }
+    // What registers say of requests that wait and of answers.
+    let own = bits("count", 0..2)
+        .chain(bits("waits", 0..1))
+        .chain(bits("waited", 0..7))
+        .chain(bits("stalled", 0..1));
+    controls.extend(own.filter(|bit| !bit.is_constant()));
+    relations.extend(group(&controls));
+    let is_used = |shown: &Shown| {
+        let of_bit = format!("{}[", shown.wire);
+        shown.is_set || relations.iter().any(|relation| relation.text.contains(&of_bit))
+    };
+    found.parts.retain(is_used);
+    found.relations = relations;
+    (found, of_set)
+}
+
+/// The guard of answers: the oldest request that changed the state reads a line of the set.
+const ANSWER: &str = "known == 0 || !queue[MINE] || ";
+
+/// A bit by its wire and number, and what a simulation showed of it.
+#[derive(Clone, Copy)]
+struct Bit<'a> {
+    wire: &'a str,
+    number: usize,
+    samples: &'a [u64],
+}
+
+impl Bit<'_> {
+    fn is_constant(&self) -> bool {
+        self.samples.iter().all(|&word| word == 0) || self.samples.iter().all(|&word| word == u64::MAX)
+    }
+}
+
+/// Bits of the specification that mean something under one condition.
+struct Class<'a> {
+    /// What stands before a relation under it, in Verilog.
+    guard: String,
+    /// Where it holds.
+    holds: Vec<u64>,
+    bits: Vec<Bit<'a>>,
+}
+
+/// A bit of a part that is a bit of the specification.
+struct Equal<'a> {
+    guard: &'a str,
+    part: Bit<'a>,
+    own: Bit<'a>,
+    is_inverted: bool,
+}
+
+impl<'a> Class<'a> {
+    /// The bit of the specification that a bit of a part is, or is the inverse of.
+    fn equal(&'a self, part: Bit<'a>) -> Option<Equal<'a>> {
+        // A bit that hardly changes where it means something says little.
+        let changes = |bit: &Bit<'_>| {
+            let (mut ones, mut zeros) = (0, 0);
+            for (word, holds) in bit.samples.iter().zip(&self.holds) {
+                ones += (word & holds).count_ones();
+                zeros += (!word & holds).count_ones();
+            }
+            ones > 8 && zeros > 8
+        };
+        if !changes(&part) {
+            return None;
+        }
+        let differs = |own: &Bit<'_>, mask: u64| {
+            let mut all = part.samples.iter().zip(own.samples).zip(&self.holds);
+            all.any(|((part, own), holds)| (part ^ own ^ mask) & holds != 0)
+        };
+        self.bits.iter().find_map(|own| {
+            let is_inverted = if !differs(own, 0) {
+                false
+            } else if !differs(own, u64::MAX) {
+                true
+            } else {
+                return None;
+            };
+            Some(Equal { guard: &self.guard, part, own: *own, is_inverted })
+        })
+    }
+}
+
+fn classes<'a>(samples: &'a Samples, found: &Found, cache: &CacheConfig) -> Vec<Class<'a>> {
+    let line_bits = 32 - cache.geometry.line().0.trailing_zeros() as usize;
+    let bits = |wire: &'static str, numbers: std::ops::Range<usize>| -> Vec<Bit<'a>> {
+        numbers.map(|number| Bit { wire, number, samples: samples.of(wire, number) }).collect()
+    };
+    let any = |wire: &'static str| -> Vec<u64> {
+        let bits = bits(wire, 0..4);
+        (0..CLOCKS).map(|clock| bits.iter().fold(0, |all, bit| all | bit.samples[clock])).collect()
+    };
+    let ways = cache.geometry.ways() as usize;
+    let always = [
+        bits("resident", 0..ways),
+        bits("order", 0..harness::order_bits(cache)),
+        bits("known", 0..2),
+        bits("waits", 0..1),
+    ];
+    let mut classes =
+        vec![Class { guard: String::new(), holds: vec![u64::MAX; CLOCKS], bits: always.concat() }];
+    classes.extend((0..ways).map(|way| Class {
+        guard: format!("!resident[{way}] || "),
+        holds: samples.of("resident", way).to_vec(),
+        bits: bits("lines", 32 * way..32 * way + line_bits),
+    }));
+    let is_answer =
+        any("known").into_iter().zip(samples.of("queue", harness::MINE)).map(|(known, mine)| known & mine);
+    classes.push(Class {
+        guard: ANSWER.to_owned(),
+        holds: is_answer.collect(),
+        bits: bits("queue", 0..harness::MINE),
+    });
+    if found.commit.is_some() {
+        let set_bits = cache.geometry.set_bits() as usize;
+        let bits = [bits("waiting", 0..33), bits("sum", 0..set_bits)].concat();
+        classes.push(Class { guard: "waits == 0 || ".to_owned(), holds: any("waits"), bits });
+    }
+    classes
+}
+
+/// Equal bits that follow each other as one relation.
+fn runs(equal: Vec<Equal<'_>>) -> Vec<Relation> {
+    let mut runs: Vec<Vec<Equal<'_>>> = Vec::new();
+    for next in equal {
+        let follows = |last: &Equal<'_>| {
+            (last.guard, last.part.wire, last.own.wire, last.is_inverted)
+                == (next.guard, next.part.wire, next.own.wire, next.is_inverted)
+                && (last.part.number + 1, last.own.number + 1) == (next.part.number, next.own.number)
+        };
+        match runs.iter_mut().find(|run| run.last().is_some_and(follows)) {
+            Some(run) => run.push(next),
+            None => runs.push(vec![next]),
+        }
+    }
+    let text = |run: &[Equal<'_>]| {
+        let (Some(first), Some(last)) = (run.first(), run.last()) else { return String::new() };
+        let range =
+            |first: &Bit<'_>, last: &Bit<'_>| format!("{}[{}:{}]", first.wire, last.number, first.number);
+        let not = if first.is_inverted { "~" } else { "" };
+        format!("{}{} == {not}{}", first.guard, range(&first.part, &last.part), range(&first.own, &last.own))
+    };
+    let relation = |run: Vec<Equal<'_>>| {
+        let parts = if run.len() == 1 { Vec::new() } else { run.chunks(1).map(text).collect() };
+        Relation { text: text(&run), parts }
+    };
+    runs.into_iter().map(relation).collect()
+}
+
+/// That bits together have one of the values that they had; none where these are too many to say much.
+fn group(bits: &[Bit<'_>]) -> Option<Relation> {
+    if bits.is_empty() || bits.len() > MAX_BITS {
+        return None;
+    }
+    let mut values = BTreeSet::new();
+    for clock in 0..CLOCKS {
+        for run in 0..64 {
+            let bit = |bit: &Bit<'_>| bit.samples[clock] >> run & 1;
+            values.insert(bits.iter().rev().fold(0, |value, next| value << 1 | bit(next)));
+            if values.len() > MAX_VALUES {
+                return None;
+            }
+        }
+    }
+    if values.len() >= 1 << bits.len() {
+        return None;
+    }
+    let names: Vec<_> = bits.iter().rev().map(|bit| format!("{}[{}]", bit.wire, bit.number)).collect();
+    let all = format!("{{{}}}", names.join(", "));
+    let is_one = values.iter().map(|value: &u64| format!("{all} == {}'h{value:x}", bits.len()));
+    Some(Relation { text: is_one.collect::<Vec<_>>().join(" || "), parts: Vec::new() })
+}
