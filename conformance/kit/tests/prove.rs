@@ -100,11 +100,46 @@ fn verilog_pipelined_is_proved() {
     is_proved(with("verilog-pipelined", &[("lines=65536", "lines=524288")]).path(), false);
 }
 
+/// By FIFO the pipeline keeps a list of ways: no claim about what it shows says that each is in it once.
+#[test]
+#[ignore = "needs Yosys and a solver, and takes a minute"]
+fn verilog_pipelined_with_fifo_is_proved() {
+    let edits = [("lines=65536", "lines=524288"), ("policy=plru", "policy=fifo")];
+    is_proved(with("verilog-pipelined", &edits).path(), false);
+}
+
+/// From the ports alone, at 8 MB.
 #[test]
 #[ignore = "needs Yosys and a solver, and takes minutes"]
 fn verilog_is_proved_from_its_ports() {
     is_proved(edited("verilog", str::to_owned).path(), true);
     is_proved(edited("verilog-pipelined", str::to_owned).path(), true);
+}
+
+/// The files of a cache that shows nothing of its state, with a text in the place of another.
+fn multi_cycle(from: &str, to: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = include_str!("verilog/multi_cycle/cache.v");
+    assert!(text.contains(from), "{from}");
+    std::fs::write(folder.path().join("cache.v"), text.replace(from, to)).expect("written");
+    std::fs::write(folder.path().join("dut.toml"), include_str!("verilog/multi_cycle/dut.toml"))
+        .expect("written");
+    folder
+}
+
+/// It takes three clocks to an answer, and nothing says in which of them a request changes the state.
+#[test]
+#[ignore = "needs Yosys and a solver, and takes minutes"]
+fn verilog_in_three_clocks_is_proved_from_its_ports() {
+    is_proved(multi_cycle("", "").path(), false);
+    for (from, to) in [
+        ("lru[set] <= na;", "if (!found || fw != 2) lru[set] <= na;"),
+        ("e3[T-1:0] == line", "e3[T-2:0] == line[T-2:0]"),
+        ("if (inv) begin", "if (inv && fw != 1) begin"),
+    ] {
+        let report = proved(multi_cycle(from, to).path(), false).expect("it can be judged");
+        assert_eq!(report.verdict, ProofVerdict::Refuted, "{to}: {report:#?}");
+    }
 }
 
 /// The configuration in which a fault shows.

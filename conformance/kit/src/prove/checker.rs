@@ -39,8 +39,10 @@ pub fn verilog(config: &CacheConfig, table: &Table) -> String {
         "// Generated from the specification's step: {ways} ways, {:?}.\n\
          module saarcor_set(\n    input clock, clear, step, forget,\n    input [31:0] address, witness,\n    \
          output mine,\n    output reg hit, evicts,\n    output reg [3:0] way,\n    output [31:0] evicted, card, sum,\n    \
+         output [{}:0] matches,\n    output present,\n    \
          output [{}:0] resident,\n    output [{}:0] lines,\n    output [{}:0] order,\n    output reg legal, forgets\n);\n",
         table.policy,
+        ways - 1,
         ways - 1,
         32 * ways - 1,
         order_bits.max(1) - 1,
@@ -57,6 +59,8 @@ pub fn verilog(config: &CacheConfig, table: &Table) -> String {
     }
     let matches: Vec<_> = (0..ways).map(|way| format!("match{way}")).collect();
     let _ = writeln!(text, "    wire found = {};", matches.join(" || "));
+    let all: Vec<_> = matches.iter().rev().map(String::as_str).collect();
+    let _ = writeln!(text, "    assign matches = {{{}}};\n    assign present = found;", all.join(", "));
     let _ = writeln!(text, "    assign resident = state[{}:0];", ways - 1);
     match order_bits {
         0 => text.push_str("    assign order = 0;\n"),

@@ -1,7 +1,7 @@
 //! A proof from beginning to end: induction or PDR; else counterexamples; and what shows that a proof is not empty.
 
 use super::config::{ProveConfig, with_sets};
-use super::found::{self, Found, Samples};
+use super::found::{self, Commit, Found, Samples};
 use super::harness;
 use super::netlists::{Assertions, Form, Netlists, Reader, TOP};
 use super::plant::Plan;
@@ -254,7 +254,7 @@ impl Proof<'_> {
             let mut graph = self.netlists.simulation("found", json, &wires)?;
             Ok(Samples::new(&mut graph, cache, &wires))
         };
-        let related = |commit: Option<String>| -> Result<(Found, usize), Error> {
+        let related = |commit: Option<Commit>| -> Result<(Found, usize), Error> {
             let found = Found { commit, ..candidates.clone() };
             let json = self.netlists.elaborate("found", cache, Form::Violations, &found)?;
             let samples = simulated(&json, &found.inputs(cache))?;

@@ -14,6 +14,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Clocks that are simulated.
 const CLOCKS: usize = 1500;
+/// The wire of the harness that shows when a request changes the state.
+pub const COMMIT: &str = "found_commit";
 /// Widest register that is looked at.
 const MAX_WIDTH: usize = 128;
 /// Most bits, and most values, of parts that are related as a whole.
@@ -62,12 +64,22 @@ pub struct Relation {
     pub parts: Vec<String>,
 }
 
+/// A value of a wire which says that the oldest request that waits changes the state in this clock.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Commit {
+    /// The wire.
+    pub wire: String,
+    /// Its bits.
+    pub width: usize,
+    /// The value.
+    pub value: u64,
+}
+
 /// What was found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Found {
-    /// The wire that says that the oldest request which waits changes the state in this clock; none where each request
-    /// does in the clock in which it is taken.
-    pub commit: Option<String>,
+    /// When a request changes the state; none where each does in the clock in which it is taken.
+    pub commit: Option<Commit>,
     /// The parts of the state.
     pub parts: Vec<Shown>,
     /// The relations.
@@ -142,7 +154,7 @@ impl Found {
         let width =
             |shown: &Shown| if shown.is_set { cache.geometry.set_bits() as usize } else { shown.width };
         let parts = self.parts.iter().map(|shown| (shown.wire.clone(), width(shown)));
-        self.commit.iter().map(|_| ("found_commit".to_owned(), 1)).chain(parts).collect()
+        self.commit.iter().map(|commit| (COMMIT.to_owned(), commit.width)).chain(parts).collect()
     }
 
     /// Connects these inputs of the harness with what they stand for.
@@ -150,7 +162,7 @@ impl Found {
         let module = &mut netlist["modules"][top];
         let set: Vec<Value> = module["netnames"]["witness"]["bits"].as_array().cloned().unwrap_or_default();
         let set = &set[..set.len().min(cache.geometry.set_bits() as usize)];
-        let wires = self.commit.iter().map(|name| ("found_commit".to_owned(), Part::Wire(name.clone())));
+        let wires = self.commit.iter().map(|commit| (COMMIT.to_owned(), Part::Wire(commit.wire.clone())));
         let parts = self.parts.iter().map(|shown| (shown.wire.clone(), shown.part.clone()));
         for (input, part) in wires.chain(parts) {
             let bits = module["netnames"][&input]["bits"].clone();
@@ -308,37 +320,58 @@ pub(super) fn watched(config: &ProveConfig, cache: &CacheConfig) -> Vec<(String,
         ("waited", 8),
         ("waiting", 33),
         ("sum", cache.geometry.set_bits() as usize),
+        ("mine", 1),
+        ("matches", ways),
+        ("present", 1),
+        ("hit", 1),
+        ("evicts", 1),
+        ("way", 4),
+        ("evicted", 32),
+        ("card", 32),
         ("queue", harness::ENTRY * config.outstanding as usize),
     ]
     .map(|(name, width)| (name.to_owned(), width))
     .to_vec()
 }
 
-/// The wires of one bit of an implementation, which may say when a request changes the state.
+/// The narrow wires of an implementation, which may say when a request changes the state.
 #[must_use]
 pub(super) fn commit_wires(netlist: &Value, top: &str) -> Vec<(String, usize)> {
     let mut seen = BTreeSet::new();
     wires_of_dut(&netlist["modules"][top])
-        .filter(|(_, bits)| bits.as_array().is_some_and(|bits| bits.len() == 1 && bits[0].is_u64()))
+        .filter(|(_, bits)| bits.as_array().is_some_and(|bits| (1..=CONTROL_WIDTH).contains(&bits.len())))
         .filter(|(_, bits)| seen.insert(bits.to_string()))
-        .map(|(name, _)| (name.to_owned(), 1))
+        .map(|(name, bits)| (name.to_owned(), bits.as_array().map_or(0, Vec::len)))
         .collect()
 }
 
-/// The wires that may say when a request changes the state: in a simulation in which each request does so at once, each
-/// request is followed by one clock in which they are set before it is answered.
-pub(super) fn commits(samples: &Samples, outstanding: u32, wires: &[(String, usize)]) -> Vec<String> {
+/// What may say when a request changes the state: in a simulation in which each request does so at once, each request is
+/// followed by one clock in which a wire has that value before it is answered.
+pub(super) fn commits(samples: &Samples, outstanding: u32, wires: &[(String, usize)]) -> Vec<Commit> {
     let mut seen = BTreeSet::new();
     let mut commits = Vec::new();
-    for (wire, _) in wires {
-        let steps = steps(samples, outstanding, samples.of(wire, 0));
-        if let Some(steps) = steps
-            && seen.insert(steps)
-        {
-            commits.push(wire.clone());
+    // Wires of one bit first.
+    for width in 1..=CONTROL_WIDTH {
+        for (wire, _) in wires.iter().filter(|(_, own)| *own == width) {
+            for value in (0..1_u64 << width).rev() {
+                let bits = (0..width).map(|number| Bit { wire, number, samples: samples.of(wire, number) });
+                let steps = steps(samples, outstanding, &has_value(&Vec::from_iter(bits), value));
+                if steps.is_some_and(|steps| seen.insert(steps)) {
+                    commits.push(Commit { wire: wire.clone(), width, value });
+                }
+            }
         }
     }
     commits
+}
+
+/// Where bits have a value together.
+fn has_value(bits: &[Bit<'_>], value: u64) -> Vec<u64> {
+    let differs = |clock: usize, n: usize| {
+        let wanted = if value >> n & 1 == 1 { u64::MAX } else { 0 };
+        bits[n].samples[clock] ^ wanted
+    };
+    (0..CLOCKS).map(|clock| (0..bits.len()).fold(u64::MAX, |all, n| all & !differs(clock, n))).collect()
 }
 
 /// The clocks in which requests change the state, if a wire says so; none where it cannot be that.
@@ -404,6 +437,20 @@ pub(super) fn relations(samples: &Samples, candidates: &Found, cache: &CacheConf
         }
         others.push(unrelated);
     }
+    let of_waiting = match candidates.commit {
+        Some(_) => classes_of_waiting(samples, candidates, cache, &controls),
+        None => Vec::new(),
+    };
+    let registers = candidates.parts.iter().filter(|shown| matches!(shown.part, Part::Wire(_)));
+    for shown in registers {
+        for number in 0..shown.width {
+            let bit = Bit { wire: &shown.wire, number, samples: samples.of(&shown.wire, number) };
+            // What always holds comes first.
+            let mut own = of_waiting.iter().filter_map(|class| class.equal(bit)).peekable();
+            let is_plain = own.peek().is_some_and(|first| first.guard == of_waiting[0].guard);
+            equal.extend(own.take(if is_plain { 1 } else { usize::MAX }));
+        }
+    }
     // Words lie side by side, or apart: what explains more of the set is right.
     let of = |word: usize| equal.iter().filter(|equal| equal.part.wire == words[word]).count();
     let is_right = |word: usize| match &candidates.parts[word].part {
@@ -465,8 +512,8 @@ pub(super) fn relations(samples: &Samples, candidates: &Found, cache: &CacheConf
     controls.extend(own.filter(|bit| !bit.is_constant()));
     relations.extend(group(&controls));
     let is_used = |shown: &Shown| {
-        let of_bit = format!("{}[", shown.wire);
-        shown.is_set || relations.iter().any(|relation| relation.text.contains(&of_bit))
+        let names = [format!("{}[", shown.wire), format!("{} ", shown.wire)];
+        relations.iter().any(|relation| names.iter().any(|name| relation.text.contains(name)))
     };
     found.parts.retain(is_used);
     found.relations = relations;
@@ -573,6 +620,50 @@ fn classes<'a>(samples: &'a Samples, found: &Found, cache: &CacheConfig) -> Vec<
         let set_bits = cache.geometry.set_bits() as usize;
         let bits = [bits("waiting", 0..33), bits("sum", 0..set_bits)].concat();
         classes.push(Class { guard: "waits == 0 || ".to_owned(), holds: any("waits"), bits });
+    }
+    classes
+}
+
+/// What registers may hold while a request of the set waits: what was read of the set, and what is to be answered; always,
+/// or where a register that controls others has a value.
+fn classes_of_waiting<'a>(
+    samples: &'a Samples,
+    found: &'a Found,
+    cache: &CacheConfig,
+    controls: &[Bit<'a>],
+) -> Vec<Class<'a>> {
+    let ways = cache.geometry.ways() as usize;
+    let own = [
+        ("matches", ways),
+        ("present", 1),
+        ("hit", 1),
+        ("evicts", 1),
+        ("way", 4),
+        ("evicted", 32),
+        ("card", 32),
+    ];
+    let words = found.parts.iter().filter(|shown| matches!(shown.part, Part::Word { .. }));
+    let bits = |wire: &'a str, width: usize| {
+        (0..width).map(move |number| Bit { wire, number, samples: samples.of(wire, number) })
+    };
+    let all: Vec<Bit<'a>> = words
+        .map(|shown| (shown.wire.as_str(), shown.width))
+        .chain(own)
+        .flat_map(|(wire, width)| bits(wire, width))
+        .collect();
+    let waits = samples.of("waits", 0).iter().zip(samples.of("mine", 0)).map(|(waits, mine)| waits & mine);
+    let waits: Vec<u64> = waits.collect();
+    let guard = "waits == 0 || !mine || ";
+    let mut classes = vec![Class { guard: guard.to_owned(), holds: waits.clone(), bits: all.clone() }];
+    for bits in controls.chunk_by(|a, b| a.wire == b.wire) {
+        let (wire, width) = (bits[0].wire, bits.len());
+        let name: Vec<_> = bits.iter().rev().map(|bit| format!("{wire}[{}]", bit.number)).collect();
+        for value in 0..1_u64 << width {
+            let holds =
+                has_value(bits, value).into_iter().zip(&waits).map(|(has, waits)| has & waits).collect();
+            let guard = format!("{guard}{{{}}} != {width}'d{value} || ", name.join(", "));
+            classes.push(Class { guard, holds, bits: all.clone() });
+        }
     }
     classes
 }

@@ -1,7 +1,7 @@
 //! The module in which the implementation and the specification of one set stand side by side, with what is claimed.
 
 use super::config::ProveConfig;
-use super::found::Found;
+use super::found::{COMMIT, Found};
 use super::table::pairs;
 use saarcor_model::vm::{CacheConfig, Policy};
 use std::fmt::Write as _;
@@ -214,14 +214,15 @@ pub fn verilog(
     // The request that changes the state in this clock.
     reg [32:0] waiting = 0;
     reg [3:0] waits = 0;
-{commit}    wire mine, hit, evicts, legal, forgets;
+{commit}    wire mine, hit, evicts, legal, forgets, present;
+    wire [{ways_top}:0] matches;
     wire [3:0] way;
     wire [31:0] evicted, card, sum;
     wire [{ways_top}:0] resident;
     wire [{lines_top}:0] lines;
     wire [{order_top}:0] order;
     saarcor_set set(clock, reset, step, step_forgets, step_address, witness, mine, hit, evicts, way, evicted, card, sum,
-        resident, lines, order, legal, forgets);
+        matches, present, resident, lines, order, legal, forgets);
     // What is to be answered, the oldest request first: so many are taken, and so many of them are waiting.
     reg [ENTRY*OUTSTANDING-1:0] queue = 0;
     reg [3:0] count = 0;
@@ -306,14 +307,14 @@ fn steps(config: &ProveConfig, found: &Found) -> String {
 ";
     let waiting = |commit: &str| {
         format!(
-            "    wire step = {commit} && waits != 0 && !reset;
+            "    wire step = ({commit}) && waits != 0 && !reset;
     wire step_forgets = waiting[32];
     wire [31:0] step_address = waiting[31:0];
 "
         )
     };
-    if found.commit.is_some() {
-        waiting("found_commit")
+    if let Some(commit) = &found.commit {
+        waiting(&format!("{COMMIT} == {}'d{}", commit.width, commit.value))
     } else if config.state.as_ref().is_some_and(|state| state.waiting.is_some()) {
         format!("`ifdef SAARCOR_STATE\n{}`else\n{at_once}`endif\n", waiting("shown_commit"))
     } else {
