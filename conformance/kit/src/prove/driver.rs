@@ -20,13 +20,18 @@ use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Sets of the memory in which counterexamples are looked for, and of that which is proved with its reset.
 const FEW_SETS: u64 = 2;
 const RESET_SETS: u64 = 32;
+/// Sets of a memory in which faults of larger ones are looked for before the stated size.
+const FEWER_SETS: u64 = 8;
+const BETWEEN_SETS: u64 = 1024;
 /// Clocks that a search for counterexamples may reach.
 const MOST_CLOCKS: u32 = 60;
+/// Places at which the requests of a trace with stalls are made again.
+const STALL_PLACES: usize = 12;
 /// Parts of the state whose updates are dropped.
 const MOST_PARTS: usize = 4;
 /// Wires that are tried as what says when a request changes the state.
@@ -104,10 +109,7 @@ pub fn prove(
         ..asked.config.clone()
     };
     let asked = &Asked { config: &config, ..asked.clone() };
-    let is_sized = asked.config.is_sized();
-    let resized =
-        |sets: u64| if is_sized { with_sets(&cache, sets.min(cache.geometry.sets())) } else { cache };
-    let (few, reduced) = (resized(FEW_SETS), resized(RESET_SETS));
+    let (few, reduced) = (resized(asked.config, &cache, FEW_SETS), resized(asked.config, &cache, RESET_SETS));
     progress("Yosys reads the sources");
     let netlists = Netlists::open(asked, &few)?;
     let mut report = ProofReport::new(&asked.name, asked.kind, &config::text(&cache), &tools);
@@ -149,24 +151,23 @@ impl Proof<'_> {
             }
             is_proved = self.prove_with_relations(cache, reduced, &mut proved)?;
         }
-        if !is_proved && !by_induction {
-            self.netlists.map("few-any", &claims, FROM_ANYTHING)?;
-            is_proved = self.prove_from_ports(few)?;
-        }
         if !is_proved {
-            // A set can be cold where it is shown.
-            let is_shown = self.asked.config.state.is_some();
+            // A set can be cold where it is shown. A size between the others is one that test benches have.
+            let between = resized(self.asked.config, cache, BETWEEN_SETS);
             let mut open = self::sizes(cache, reduced);
-            open.retain(|size| !proved.contains(&size.name) && (!size.is_cold || is_shown));
-            open.reverse();
-            if !self.is_refuted(few, &open)? {
-                // A trace that begins with zeros can be replayed; what only shows with other values comes last.
-                if by_induction {
-                    self.netlists.map("few-any", &claims, FROM_ANYTHING)?;
-                }
-                self.is_refuted_among_few(few, "few-any", self.asked.limit / 4)?;
+            open.push(Size { name: "between", cache: &between, is_cold: true });
+            open.retain(|size| !proved.contains(&size.name) && (!size.is_cold || by_induction));
+            open.sort_by_key(|size| size.cache.geometry.sets());
+            open.dedup_by_key(|size| size.cache.geometry.sets());
+            if self.is_refuted(few, &open)? {
+                return Ok(());
             }
-            return Ok(());
+            self.netlists.map("few-any", &claims, FROM_ANYTHING)?;
+            if by_induction || !self.prove_from_ports(few)? {
+                // A trace that begins with zeros can be replayed; what only shows with other values comes last.
+                self.is_refuted_among_few(few, "few-any", self.asked.limit / 4)?;
+                return Ok(());
+            }
         }
         self.show_covers(few)?;
         self.plant(few, &claims)?;
@@ -215,7 +216,23 @@ impl Proof<'_> {
         proved: &mut Vec<&'static str>,
     ) -> Result<bool, Error> {
         (self.progress)("A simulation shows how the state stands to the specification's");
-        let Some(mut found) = self.find(reduced)? else { return Ok(false) };
+        let fewer = resized(self.asked.config, cache, FEWER_SETS);
+        let mut found = None;
+        for size in [reduced, &fewer] {
+            let begin = Instant::now();
+            match self.find(size) {
+                Ok(is_found) => found = is_found.map(|found| (found, size)),
+                // A netlist that Yosys cannot make of that size in time says nothing against the implementation.
+                Err(error) => {
+                    let seconds = begin.elapsed().as_secs_f64();
+                    self.stage("a simulation", config::text(size), error.to_string(), seconds);
+                }
+            }
+            if found.is_some() {
+                break;
+            }
+        }
+        let Some((mut found, reduced)) = found else { return Ok(false) };
         let is_shown = self.asked.config.state.is_some();
         let of = if is_shown { Assertions::State } else { Assertions::Found };
         // The reset of a large memory is a write port a word: only sources that can leave it out are read at the stated size.
@@ -241,7 +258,7 @@ impl Proof<'_> {
         Ok(is_proved)
     }
 
-    /// What a simulation shows of the state.
+    /// What a simulation shows of the state; none of a memory that is too large for one.
     fn find(&self, cache: &CacheConfig) -> Result<Option<Found>, Error> {
         if cache.geometry.sets() > RESET_SETS {
             return Ok(None);
@@ -376,7 +393,9 @@ impl Proof<'_> {
         // The request of the last clock is judged where it is answered in its clock.
         let judged = if self.asked.config.latency == 0 { clocks } else { clocks - 1 };
         let requests = trace::requests(&vcd, judged);
-        let session = self.session(cache, &requests)?;
+        let stalls = self.asked.config.answer.ready.is_some();
+        let again = if stalls { trace::offered(&vcd, clocks) } else { Vec::new() };
+        let session = self.session(cache, &requests, &again)?;
         self.report.verdict = ProofVerdict::Refuted;
         self.report.reason.clear();
         self.report.trace = Some(Trace {
@@ -393,18 +412,29 @@ impl Proof<'_> {
         Ok(())
     }
 
-    /// The session of these requests.
-    fn session(&self, cache: &CacheConfig, requests: &[Request]) -> Result<Session, Error> {
+    /// The session of these requests. A session does not say when answers wait: where they may, what was offered is offered
+    /// again and again, after so many other requests that each stands at each place of a test bench that makes every second,
+    /// third or fourth answer wait.
+    fn session(
+        &self,
+        cache: &CacheConfig,
+        requests: &[Request],
+        again: &[Request],
+    ) -> Result<Session, Error> {
         let is_meta = self.asked.kind == Meta.name();
-        let lines: String = requests
-            .iter()
-            .map(|request| match request {
-                Request::Reset => "flush\n".to_owned(),
-                Request::Invalidate(address) => format!("i {address:x} 1\n"),
-                Request::Read(address) if is_meta => format!("r {address:x}\n"),
-                Request::Read(address) => format!("r {address:x} 1\n"),
-            })
-            .collect();
+        let line = |request: &Request| match request {
+            Request::Reset => "flush\n".to_owned(),
+            Request::Invalidate(address) => format!("i {address:x} 1\n"),
+            Request::Read(address) if is_meta => format!("r {address:x}\n"),
+            Request::Read(address) => format!("r {address:x} 1\n"),
+        };
+        let mut lines: String = requests.iter().map(line).collect();
+        if !again.is_empty() {
+            let answers = again.iter().filter(|request| **request != Request::Reset).count();
+            let others = (STALL_PLACES + 1 - answers % STALL_PLACES) % STALL_PLACES;
+            let again: String = again.iter().map(line).collect();
+            lines += &(line(&Request::Read(0)).repeat(others) + "flush\n" + &again).repeat(STALL_PLACES);
+        }
         let (hello, config) = if is_meta {
             let meta = meta::config::parse(&self.asked.config.config)?;
             (Meta.hello(), meta::config::text(&MetaConfig { cache: *cache, ..meta }))
@@ -553,7 +583,7 @@ impl Proof<'_> {
     /// Whether it is proved from its ports alone, by PDR.
     fn prove_from_ports(&mut self, few: &CacheConfig) -> Result<bool, Error> {
         (self.progress)("ABC proves it from its ports");
-        let limit = self.asked.limit;
+        let limit = self.asked.limit / 2;
         let ran = self.abc("few-any", &format!("orpos; pdr -T {}", limit.as_secs().max(1)), limit)?;
         let is_proved = ran.text.lines().any(|line| line.starts_with("Property proved"));
         let says = if is_proved {
@@ -571,6 +601,11 @@ impl Proof<'_> {
         self.stage("from the ports alone", at, says.to_owned(), ran.seconds);
         Ok(is_proved)
     }
+}
+
+/// The cache with at most that many sets, where their number can be chosen.
+fn resized(config: &ProveConfig, cache: &CacheConfig, sets: u64) -> CacheConfig {
+    if config.is_sized() { with_sets(cache, sets.min(cache.geometry.sets())) } else { *cache }
 }
 
 /// The sizes that are proved by induction, the quickest first.

@@ -18,6 +18,8 @@ const CLOCKS: usize = 1500;
 pub const COMMIT: &str = "found_commit";
 /// Widest register that is looked at.
 const MAX_WIDTH: usize = 128;
+/// Sets from which on a register that has some bits for each may be so by more than chance.
+const FEWEST_SETS: u64 = 8;
 /// Most bits, and most values, of parts that are related as a whole.
 const MAX_BITS: usize = 40;
 const MAX_VALUES: usize = 800;
@@ -92,37 +94,28 @@ impl Found {
     pub fn candidates(netlist: &Value, top: &str, cache: &CacheConfig) -> Self {
         let module = &netlist["modules"][top];
         let (sets, all_ways) = (cache.geometry.sets(), cache.geometry.ways());
+        let arrays = arrays(module, sets);
         let mut parts: Vec<(Part, usize)> = Vec::new();
-        for (name, memory) in module["memories"].as_object().into_iter().flatten() {
-            let number = |key: &str| memory[key].as_u64().unwrap_or_default();
-            let is_one_a_set = number("size") == sets;
-            let is_one_a_way = number("size") == sets * u64::from(all_ways);
-            if !is_of_dut(name) || number("start_offset") != 0 || !(is_one_a_set || is_one_a_way) {
-                continue;
-            }
-            let ways = if is_one_a_set { 1 } else { all_ways };
+        for (name, array) in &arrays {
+            let ways = match array.size {
+                size if size == sets => 1,
+                size if size == sets * u64::from(all_ways) => all_ways,
+                _ => continue,
+            };
             for is_side_by_side in [true, false] {
                 if ways == 1 && !is_side_by_side {
                     continue;
                 }
                 let word = |way| Part::Word { memory: name.clone(), way, ways, is_side_by_side };
-                parts.extend((0..ways).map(|way| (word(way), number("width") as usize)));
+                parts.extend((0..ways).map(|way| (word(way), array.width)));
             }
         }
-        let registers: BTreeSet<String> = module["cells"]
-            .as_object()
-            .into_iter()
-            .flatten()
-            .filter(|(_, cell)| cell["type"].as_str().is_some_and(|kind| kind.contains("dff")))
-            .map(|(_, cell)| cell["connections"]["Q"].to_string())
-            .collect();
         // Of wires that are the same register the shortest name stands for all.
         let mut names: BTreeMap<String, (&str, usize)> = BTreeMap::new();
-        for (name, wire) in wires_of_dut(module) {
-            let bits = wire.to_string();
-            let width = wire.as_array().map_or(0, Vec::len);
-            if registers.contains(&bits) && width <= MAX_WIDTH {
-                let best = names.entry(bits).or_insert((name, width));
+        for (name, bits) in registers(module) {
+            let is_of_array = name.rsplit_once('[').is_some_and(|(array, _)| arrays.contains_key(array));
+            if !is_of_array && bits.len() <= MAX_WIDTH {
+                let best = names.entry(json!(bits).to_string()).or_insert((name, bits.len()));
                 if name.len() < best.0.len() {
                     best.0 = name;
                 }
@@ -162,6 +155,7 @@ impl Found {
         let module = &mut netlist["modules"][top];
         let set: Vec<Value> = module["netnames"]["witness"]["bits"].as_array().cloned().unwrap_or_default();
         let set = &set[..set.len().min(cache.geometry.set_bits() as usize)];
+        let arrays = arrays(module, cache.geometry.sets());
         let wires = self.commit.iter().map(|commit| (COMMIT.to_owned(), Part::Wire(commit.wire.clone())));
         let parts = self.parts.iter().map(|shown| (shown.wire.clone(), shown.part.clone()));
         for (input, part) in wires.chain(parts) {
@@ -185,15 +179,38 @@ impl Found {
                     let set = set.iter().cloned();
                     let address: Vec<Value> =
                         if is_side_by_side { way.chain(set).collect() } else { set.chain(way).collect() };
-                    json!({
-                        "type": "$memrd",
-                        "parameters": {
-                            "MEMID": format!("\\{memory}"), "ABITS": binary(address.len()), "WIDTH": binary(width),
-                            "CLK_ENABLE": binary(0), "CLK_POLARITY": binary(0), "TRANSPARENT": binary(0),
-                        },
-                        "port_directions": { "ADDR": "input", "CLK": "input", "EN": "input", "DATA": "output" },
-                        "connections": { "ADDR": address, "CLK": ["x"], "EN": ["x"], "DATA": bits },
-                    })
+                    match arrays.get(&memory).and_then(|array| array.words.as_ref()) {
+                        None => json!({
+                            "type": "$memrd",
+                            "parameters": {
+                                "MEMID": format!("\\{memory}"), "ABITS": binary(address.len()), "WIDTH": binary(width),
+                                "CLK_ENABLE": binary(0), "CLK_POLARITY": binary(0), "TRANSPARENT": binary(0),
+                            },
+                            "port_directions": { "ADDR": "input", "CLK": "input", "EN": "input", "DATA": "output" },
+                            "connections": { "ADDR": address, "CLK": ["x"], "EN": ["x"], "DATA": bits },
+                        }),
+                        Some(words) => {
+                            // Words of a power of two bits, so that the address is a shift.
+                            let padded = width.next_power_of_two();
+                            let pad = |word: &Vec<Value>| {
+                                let zeros =
+                                    std::iter::repeat_n(json!("0"), padded.saturating_sub(word.len()));
+                                word.iter().cloned().chain(zeros).collect::<Vec<_>>()
+                            };
+                            let all: Vec<Value> = words.iter().flat_map(pad).collect();
+                            let zeros = std::iter::repeat_n(json!("0"), padded.trailing_zeros() as usize);
+                            let shift: Vec<Value> = zeros.chain(address).collect();
+                            json!({
+                                "type": "$shiftx",
+                                "parameters": {
+                                    "A_SIGNED": binary(0), "B_SIGNED": binary(0), "A_WIDTH": binary(all.len()),
+                                    "B_WIDTH": binary(shift.len()), "Y_WIDTH": binary(width),
+                                },
+                                "port_directions": { "A": "input", "B": "input", "Y": "output" },
+                                "connections": { "A": all, "B": shift, "Y": bits },
+                            })
+                        }
+                    }
                 }
             };
             module["cells"][format!("${input}")] = cell;
@@ -202,6 +219,57 @@ impl Found {
             module["ports"][&input]["direction"] = json!("output");
         }
     }
+}
+
+/// Words with numbers: a memory, or registers.
+struct Array {
+    size: u64,
+    width: usize,
+    /// The bits of all words; none of a memory.
+    words: Option<Vec<Vec<Value>>>,
+}
+
+/// The arrays of an implementation by their names: memories, registers with numbers behind their names, which Yosys makes of
+/// memories that are cleared as a whole, and registers of some bits a set.
+fn arrays(module: &Value, sets: u64) -> BTreeMap<String, Array> {
+    let mut arrays = BTreeMap::new();
+    for (name, memory) in module["memories"].as_object().into_iter().flatten() {
+        let number = |key: &str| memory[key].as_u64().unwrap_or_default();
+        if is_of_dut(name) && number("start_offset") == 0 {
+            let array = Array { size: number("size"), width: number("width") as usize, words: None };
+            arrays.insert(name.clone(), array);
+        }
+    }
+    let mut families: BTreeMap<&str, BTreeMap<usize, Vec<Value>>> = BTreeMap::new();
+    for (name, bits) in registers(module) {
+        let numbered = name.strip_suffix(']').and_then(|name| name.rsplit_once('['));
+        if let Some((array, number)) = numbered
+            && let Ok(number) = number.parse()
+        {
+            families.entry(array).or_default().insert(number, bits.clone());
+        } else if bits.len() as u64 % sets == 0 && sets >= FEWEST_SETS {
+            let width = bits.len() / sets as usize;
+            let words = bits.chunks(width).map(<[Value]>::to_vec).collect();
+            arrays.insert(name.to_owned(), Array { size: sets, width, words: Some(words) });
+        }
+    }
+    for (name, words) in families {
+        let words: Vec<Vec<Value>> = words.into_values().collect();
+        let (size, width) = (words.len() as u64, words[0].len());
+        arrays.entry(name.to_owned()).or_insert(Array { size, width, words: Some(words) });
+    }
+    arrays
+}
+
+/// The registers of an implementation that have names, with their bits.
+fn registers(module: &Value) -> Vec<(&str, &Vec<Value>)> {
+    let all = module["cells"].as_object().into_iter().flatten();
+    let outputs: BTreeSet<String> = all
+        .filter(|(_, cell)| cell["type"].as_str().is_some_and(|kind| kind.contains("dff")))
+        .map(|(_, cell)| cell["connections"]["Q"].to_string())
+        .collect();
+    let wires = wires_of_dut(module).filter(|(_, bits)| outputs.contains(&bits.to_string()));
+    wires.filter_map(|(name, bits)| Some((name, bits.as_array()?))).collect()
 }
 
 /// Makes wires outputs, so that a simulation shows them.
@@ -299,6 +367,11 @@ impl Samples {
 
     fn of(&self, name: &str, bit: usize) -> &[u64] {
         self.0.get(&(name.to_owned(), bit)).map_or(&[], Vec::as_slice)
+    }
+
+    /// Where there is no reset: a reset may clear an implementation at once.
+    fn counts(&self) -> Vec<u64> {
+        self.of("reset", 0).iter().map(|reset| !reset).collect()
     }
 }
 
@@ -412,7 +485,7 @@ pub(super) fn most_of_set(cache: &CacheConfig) -> usize {
 /// which are resident have one.
 pub(super) fn relations(samples: &Samples, candidates: &Found, cache: &CacheConfig) -> (Found, usize) {
     let mut found = candidates.clone();
-    let classes = classes(samples, candidates, cache);
+    let (classes, counts) = (classes(samples, candidates, cache), samples.counts());
     let words: Vec<&str> = candidates.parts.iter().map(|shown| shown.wire.as_str()).collect();
     let mut equal = Vec::new();
     // Of each word the bits that have no relation of their own; and of narrow registers all that are no answers.
@@ -498,11 +571,10 @@ pub(super) fn relations(samples: &Samples, candidates: &Found, cache: &CacheConf
         .filter(|(bits, right)| **right && !bits.is_empty())
         .map(|(bits, _)| bits)
         .collect();
-    match group(&[unrelated.concat(), order.clone()].concat()) {
+    match group(&[unrelated.concat(), order.clone()].concat(), &counts) {
         Some(relation) => relations.push(relation),
-        None => {
-            relations.extend(unrelated.into_iter().filter_map(|bits| group(&[bits, order.clone()].concat())))
-        }
+        None => relations
+            .extend(unrelated.into_iter().filter_map(|bits| group(&[bits, order.clone()].concat(), &counts))),
     }
     // What registers say of requests that wait and of answers.
     let own = bits("count", 0..2)
@@ -510,7 +582,7 @@ pub(super) fn relations(samples: &Samples, candidates: &Found, cache: &CacheConf
         .chain(bits("waited", 0..7))
         .chain(bits("stalled", 0..1));
     controls.extend(own.filter(|bit| !bit.is_constant()));
-    relations.extend(group(&controls));
+    relations.extend(group(&controls, &counts));
     let is_used = |shown: &Shown| {
         let names = [format!("{}[", shown.wire), format!("{} ", shown.wire)];
         relations.iter().any(|relation| names.iter().any(|name| relation.text.contains(name)))
@@ -602,8 +674,7 @@ fn classes<'a>(samples: &'a Samples, found: &Found, cache: &CacheConfig) -> Vec<
         bits("known", 0..2),
         bits("waits", 0..1),
     ];
-    let mut classes =
-        vec![Class { guard: String::new(), holds: vec![u64::MAX; CLOCKS], bits: always.concat() }];
+    let mut classes = vec![Class { guard: String::new(), holds: samples.counts(), bits: always.concat() }];
     classes.extend((0..ways).map(|way| Class {
         guard: format!("!resident[{way}] || "),
         holds: samples.of("resident", way).to_vec(),
@@ -620,6 +691,9 @@ fn classes<'a>(samples: &'a Samples, found: &Found, cache: &CacheConfig) -> Vec<
         let set_bits = cache.geometry.set_bits() as usize;
         let bits = [bits("waiting", 0..33), bits("sum", 0..set_bits)].concat();
         classes.push(Class { guard: "waits == 0 || ".to_owned(), holds: any("waits"), bits });
+    }
+    for class in &mut classes {
+        class.holds.iter_mut().zip(samples.counts()).for_each(|(holds, counts)| *holds &= counts);
     }
     classes
 }
@@ -652,7 +726,7 @@ fn classes_of_waiting<'a>(
         .flat_map(|(wire, width)| bits(wire, width))
         .collect();
     let waits = samples.of("waits", 0).iter().zip(samples.of("mine", 0)).map(|(waits, mine)| waits & mine);
-    let waits: Vec<u64> = waits.collect();
+    let waits: Vec<u64> = waits.zip(samples.counts()).map(|(waits, counts)| waits & counts).collect();
     let guard = "waits == 0 || !mine || ";
     let mut classes = vec![Class { guard: guard.to_owned(), holds: waits.clone(), bits: all.clone() }];
     for bits in controls.chunk_by(|a, b| a.wire == b.wire) {
@@ -697,13 +771,13 @@ fn runs(equal: Vec<Equal<'_>>) -> Vec<Relation> {
 }
 
 /// That bits together have one of the values that they had; none where these are too many to say much.
-fn group(bits: &[Bit<'_>]) -> Option<Relation> {
+fn group(bits: &[Bit<'_>], counts: &[u64]) -> Option<Relation> {
     if bits.is_empty() || bits.len() > MAX_BITS {
         return None;
     }
     let mut values = BTreeSet::new();
-    for clock in 0..CLOCKS {
-        for run in 0..64 {
+    for (clock, counts) in counts.iter().enumerate() {
+        for run in (0..64).filter(|run| counts >> run & 1 == 1) {
             let bit = |bit: &Bit<'_>| bit.samples[clock] >> run & 1;
             values.insert(bits.iter().rev().fold(0, |value, next| value << 1 | bit(next)));
             if values.len() > MAX_VALUES {

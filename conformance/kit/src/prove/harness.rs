@@ -282,7 +282,7 @@ pub fn verilog(
             1 << bit
         );
     }
-    text.push_str("`else\n    assign happens = violated;\n`endif\n`endif\n`ifdef SAARCOR_INDUCTION\n    always @* if (!first) begin\n");
+    text.push_str("`else\n    assign happens = violated;\n`endif\n`endif\n`ifdef SAARCOR_INDUCTION\n    // A reset may clear the implementation at once, and the specification with the next clock.\n    always @* if (!first && !reset) begin\n");
     text.push_str("        state_count: assert(count <= OUTSTANDING && waits <= count && waited < LATENCY);\n        state_legal: assert(legal);\n");
     for (n, relation) in found.relations.iter().enumerate() {
         let _ = writeln!(text, "        {RELATION}{n}: assert({});", relation.text);
@@ -326,7 +326,7 @@ fn steps(config: &ProveConfig, found: &Found) -> String {
 fn state_claims(text: &mut String, config: &ProveConfig, cache: &CacheConfig, tag_bits: u32, way_bits: u32) {
     let ways = cache.geometry.ways() as usize;
     text.push_str(
-        "    always @* if (!first) begin\n        state_resident: assert(shown_resident == resident);\n",
+        "    always @* if (!first && !reset) begin\n        state_resident: assert(shown_resident == resident);\n",
     );
     for way in 0..ways {
         let low = way as u32 * tag_bits;
@@ -339,9 +339,9 @@ fn state_claims(text: &mut String, config: &ProveConfig, cache: &CacheConfig, ta
     if let Some(waiting) = config.state.as_ref().and_then(|state| state.waiting.as_ref()) {
         text.push_str(
             "        state_waiting: assert(shown_waiting == (waits != 0) && waits <= 1);\n        \
-             state_commit: assert(reset || !shown_commit || waits != 0);\n        \
+             state_commit: assert(!shown_commit || waits != 0);\n        \
              state_address: assert(waits == 0 || shown_address == waiting[31:0]);\n        \
-             state_known: assert(reset || known == answer_valid);\n",
+             state_known: assert(known == answer_valid);\n",
         );
         if waiting.invalidate.is_some() {
             text.push_str("        state_forget: assert(waits == 0 || shown_forget == waiting[32]);\n");

@@ -19,6 +19,8 @@ use std::time::Duration;
 
 /// Time that making netlists may take.
 const LIMIT: Duration = Duration::from_secs(300);
+/// Time that making one for a simulation may take.
+const SIMULATION_LIMIT: Duration = Duration::from_secs(100);
 /// The module of the harness.
 pub(super) const TOP: &str = "saarcor_prove";
 /// Warnings of Yosys that say nothing about the proof: all others are errors.
@@ -106,7 +108,7 @@ impl<'a> Netlists<'a> {
             let _ = writeln!(script, "chparam{parameters} {}", config.top);
         }
         let _ = writeln!(script, "hierarchy -check -top {}\nproc\nwrite_json ports.json", config.top);
-        self.yosys("ports", &script)?;
+        self.yosys("ports", &script, LIMIT)?;
         let json = self.json("ports")?;
         let modules = json["modules"].as_object().into_iter().flatten();
         let top = modules.map(|(_, module)| module).find(|module| !module["attributes"]["top"].is_null());
@@ -199,7 +201,7 @@ impl<'a> Netlists<'a> {
             self.read_sources(is_cold),
             Self::put_together(keeps_assertions)
         );
-        self.yosys(name, &script)?;
+        self.yosys(name, &script, LIMIT)?;
         let mut json = self.json(name)?;
         settle_writes(&mut json, TOP);
         found.connect(&mut json, TOP, cache);
@@ -210,7 +212,10 @@ impl<'a> Netlists<'a> {
     pub fn simulation(&self, name: &str, json: &Value, wires: &[(String, usize)]) -> Result<Graph, Error> {
         let mut json = json.clone();
         found::show(&mut json, TOP, wires);
-        self.map(name, &json, Reader::Abc { begins_at_zero: true })?;
+        self.write(&format!("{name}-map.json"), &json.to_string())?;
+        let script = mapped(Reader::Abc { begins_at_zero: true }, name);
+        let script = format!("read_json {name}-map.json\n{script}\n");
+        self.yosys(&format!("{name}-map"), &script, SIMULATION_LIMIT)?;
         let path = self.asked.work.join(format!("{name}.aig"));
         let graph = fs::read(&path).map_err(Error::system(format!("{}: cannot be read", path.display())))?;
         Graph::parse(&graph, &self.read(&format!("{name}.aim"))?)
@@ -220,7 +225,7 @@ impl<'a> Netlists<'a> {
     /// Makes the netlist `to` that somebody reads of an elaborated one, which may have been edited.
     pub fn map(&self, to: &str, json: &Value, reader: Reader) -> Result<(), Error> {
         self.write(&format!("{to}-map.json"), &json.to_string())?;
-        self.yosys(&format!("{to}-map"), &format!("read_json {to}-map.json\n{}\n", mapped(reader, to)))
+        self.yosys(&format!("{to}-map"), &format!("read_json {to}-map.json\n{}\n", mapped(reader, to)), LIMIT)
     }
 
     /// Writes the waves of a trace that ABC found, `NETLIST.aiw`, of what was elaborated as `NAME`.
@@ -258,11 +263,11 @@ impl<'a> Netlists<'a> {
     }
 
     /// Runs a script; what it warns of is an error.
-    fn yosys(&self, name: &str, script: &str) -> Result<(), Error> {
+    fn yosys(&self, name: &str, script: &str, limit: Duration) -> Result<(), Error> {
         self.write(&format!("{name}.ys"), script)?;
-        let ran = run(&format!("yosys -q -s {name}.ys"), self.asked.work, name, LIMIT)?;
+        let ran = run(&format!("yosys -q -s {name}.ys"), self.asked.work, name, limit)?;
         if ran.timed_out {
-            return Err(format!("Yosys makes no netlist within {} s", LIMIT.as_secs()).into());
+            return Err(format!("Yosys makes no netlist within {} s", limit.as_secs()).into());
         }
         let wrong = ran.text.lines().find(|line| line.contains("ERROR: "));
         let wrong =

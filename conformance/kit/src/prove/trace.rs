@@ -29,25 +29,42 @@ impl Request {
 
 /// What the implementation gets in the first clocks. The first of all is the reset that every session begins with.
 pub(super) fn requests(vcd: &str, clocks: u32) -> Vec<Request> {
-    let mut requests = Vec::new();
-    at_clocks(vcd, &["reset", "accepted", "forget", "address"], |clock, values| {
+    asked(vcd, clocks).into_iter().filter(|(_, is_taken)| *is_taken).map(|(request, _)| request).collect()
+}
+
+/// What it is offered in the first clocks, taken or not; what waits to be taken counts once.
+pub(super) fn offered(vcd: &str, clocks: u32) -> Vec<Request> {
+    let mut waits = None;
+    let mut offered = Vec::new();
+    for (request, is_taken) in asked(vcd, clocks) {
+        if waits != Some(request) {
+            offered.push(request);
+        }
+        waits = (!is_taken).then_some(request);
+    }
+    offered
+}
+
+/// What the implementation is offered in each of the first clocks, and whether it takes it.
+fn asked(vcd: &str, clocks: u32) -> Vec<(Request, bool)> {
+    let mut asked = Vec::new();
+    at_clocks(vcd, &["reset", "accepted", "valid", "forget", "address"], |clock, values| {
         let value =
             |name: &str| values.get(name).and_then(|bits| u64::from_str_radix(bits, 2).ok()).unwrap_or(0);
         if clock == 0 || clock >= u64::from(clocks) {
             return;
         }
+        let is_taken = value("accepted") == 1;
         if value("reset") == 1 {
-            requests.push(Request::Reset);
-        } else if value("accepted") == 1 {
+            asked.push((Request::Reset, true));
+        } else if is_taken || value("valid") == 1 {
             let address = value("address");
-            requests.push(if value("forget") == 1 {
-                Request::Invalidate(address)
-            } else {
-                Request::Read(address)
-            });
+            let request =
+                if value("forget") == 1 { Request::Invalidate(address) } else { Request::Read(address) };
+            asked.push((request, is_taken));
         }
     });
-    requests
+    asked
 }
 
 /// The bits that wires have in the last of so many clocks.
@@ -103,6 +120,11 @@ mod tests {
         let all = [Read(0x20), Invalidate(0x20), Reset, Invalidate(0x20)];
         assert_eq!(requests(&format!("{head}{waves}"), 4), all[..3]);
         assert_eq!(requests(&format!("{head}{waves}"), 5), all);
+        // A request that is offered in two clocks and never taken.
+        let offer = "$var wire 1 f valid $end\n";
+        let waves_of_offer = "#0\n#10\nb1 f\nb100000 d\n#20\n#30\nb0 f\n";
+        assert_eq!(offered(&format!("{head}{offer}{waves_of_offer}"), 4), [Read(0x20)]);
+        assert_eq!(requests(&format!("{head}{offer}{waves_of_offer}"), 4), []);
         let last = format!("{head}{waves}b0x10 d\n");
         let of = |clocks| values(&last, clocks, &["reset", "address"]).map(Option::unwrap_or_default);
         assert_eq!(of(6), ["0", "0x10"]);
