@@ -32,7 +32,7 @@ use crate::directory;
 use crate::version_b::MetadataDecisions;
 use changes::{Change, Changes, SET_BYTES, Shape};
 use lanes::Lanes;
-use rows::Rows;
+use rows::{PLACES, Rows};
 use saarcor_model::time::standard;
 use saarcor_model::vm::{
     CacheConfig, Counters, Directory, Hash, LineAddr, Metadata, MetadataTraffic, OnChip, Policy,
@@ -238,18 +238,20 @@ impl RowsOfLines {
 /// have both in common, whatever the hash, since each adds to the lower bits what the upper ones decide.
 #[inline(always)]
 fn places_and_tags(hash: Hash, set_bits: u32, lines: &[u32], places: &mut [u32], tags: &mut [u16]) {
-    let mask = (1_u32 << set_bits) - 1;
-    for ((&line, place), tag) in lines.iter().zip(&mut *places).zip(tags) {
-        let upper = line >> set_bits;
-        // Vectors do not divide by cases: of the standard hashes one adds nothing.
-        let added = if hash == Hash::Low { 0 } else { upper };
-        (*place, *tag) = (line.wrapping_add(added) & mask, upper as u16);
+    for ((&line, place), tag) in lines.iter().zip(places).zip(tags) {
+        (*place, *tag) = (set_of(hash, set_bits, line), (line >> set_bits) as u16);
     }
+}
+
+/// [`Hash::set_of`], of which the compiler makes vectors but for [`Hash::AddUpperAll`].
+#[inline(always)]
+fn set_of(hash: Hash, set_bits: u32, line: u32) -> u32 {
     if hash == Hash::AddUpperAll {
-        for (&line, place) in lines.iter().zip(places) {
-            *place = hash.set_of(LineAddr(line), set_bits).0;
-        }
+        return hash.set_of(LineAddr(line), set_bits).0;
     }
+    // Vectors do not divide by cases: of the standard hashes one adds nothing.
+    let added = if hash == Hash::Low { 0 } else { line >> set_bits };
+    line.wrapping_add(added) & ((1 << set_bits) - 1)
 }
 
 impl Cache for RowsOfLines {
@@ -302,9 +304,9 @@ struct WithMetadata {
 
 /// The granules of a batch of accesses: two each, of which the second may be spare.
 struct Granules {
-    firsts: [u32; BATCH],
-    seconds: [u32; BATCH],
-    /// Key of the first, and in the upper half of the second.
+    /// Place of the first, and in the upper half of the second.
+    places: [u32; BATCH],
+    /// Their keys in the same way.
     keys: [u32; BATCH],
 }
 
@@ -317,6 +319,7 @@ impl WithMetadata {
         // Two granules at most, and these in different sets of the metadata cache.
         let fits = sets.is_power_of_two()
             && sets >= 2
+            && sets + SPARE <= PLACES
             && granule_bytes.is_power_of_two()
             && granule_bytes >= 16
             && granules / sets < usize::from(Rows::<true>::FREE / 2)
@@ -325,8 +328,8 @@ impl WithMetadata {
         if !fits {
             return None;
         }
-        let mut rows = Rows::new(sets, policy);
-        rows.rows.resize(sets + SPARE, [0, Rows::<true>::FREE, Rows::<true>::FREE, Rows::<true>::FREE]);
+        let mut rows = Rows::new(PLACES, policy);
+        rows.rows[sets..sets + SPARE].iter_mut().for_each(|row| row[0] = 0);
         let mut new = Self {
             changes: Changes::new(config.policy),
             shapes: vec![0; 1 << lines.set_bits],
@@ -337,7 +340,7 @@ impl WithMetadata {
             traffic: MetadataTraffic::default(),
             marked: 0,
             forgotten: 0,
-            batch: Box::new(Granules { firsts: [0; BATCH], seconds: [0; BATCH], keys: [0; BATCH] }),
+            batch: Box::new(Granules { places: [0; BATCH], keys: [0; BATCH] }),
         };
         new.forget_shapes();
         Some(new)
@@ -359,19 +362,16 @@ impl WithMetadata {
         let (meta_bits, mask) = (self.meta_bits, (1_u32 << self.meta_bits) - 1);
         let granule_bits = self.granule_bits - 2;
         let Batch { places: sets, found, .. } = &*self.lines.batch;
-        let Granules { firsts, seconds, keys } = &mut *self.batch;
+        let Granules { places, keys } = &mut *self.batch;
         let (sets, keys) = (&sets[..used], &mut keys[..used]);
         let mut straddling = 0;
-        for (n, (((&set, first), second), key)) in
-            sets.iter().zip(firsts).zip(seconds).zip(keys.iter_mut()).enumerate()
-        {
+        for (n, ((&set, place), key)) in sets.iter().zip(places).zip(keys.iter_mut()).enumerate() {
             let granule = (SET_UNITS * set) >> granule_bits;
             let two = straddles(set, granule_bits);
             straddling += two;
             let (next, both) = (granule + 1, two.wrapping_neg());
             let spare = mask + 1 + n as u32 % SPARE as u32;
-            *first = granule & mask;
-            *second = next & mask & both | spare & !both;
+            *place = granule & mask | (next & mask & both | spare & !both) << 16;
             *key = granule >> meta_bits << 1 | (next >> meta_bits << 17) & both;
         }
         // Before the border, and in the upper half of the number behind it.
@@ -395,21 +395,20 @@ impl WithMetadata {
     }
 
     /// How many of the sets of `lines` straddle two granules.
-    fn straddling(&mut self, lines: &[u32]) -> u64 {
-        let RowsOfLines { hash, set_bits, ref mut batch, lanes, .. } = self.lines;
-        let Batch { places, tags, .. } = &mut **batch;
+    fn straddling(&self, lines: &[u32]) -> u64 {
+        let RowsOfLines { hash, set_bits, lanes, .. } = self.lines;
         let granule_bits = self.granule_bits - 2;
-        let count: u32 = lanes.run(|| {
-            places_and_tags(hash, set_bits, lines, places, tags);
-            places[..lines.len()].iter().map(|&set| straddles(set, granule_bits)).sum()
-        });
+        let straddles = |line: &u32| straddles(set_of(hash, set_bits, *line), granule_bits);
+        let count: u32 = lanes.run(
+            #[inline(always)]
+            || lines.iter().map(straddles).sum(),
+        );
         count.into()
     }
 
     /// Granules that are dirty now.
     fn dirty(&self) -> u64 {
-        let sets = self.granules.rows.len() - SPARE;
-        let words = self.granules.rows[..sets].iter().flatten();
+        let words = self.granules.rows[..1 << self.meta_bits].iter().flatten();
         words.map(|word| u64::from(word & 1)).sum()
     }
 }
@@ -419,11 +418,10 @@ impl Cache for WithMetadata {
         let used = self.lines.use_rows(lines);
         let lanes = self.lines.lanes;
         let (mut straddling, changed) = lanes.run(|| self.find_granules(used));
-        let Granules { firsts, seconds, keys } = &*self.batch;
-        let pairs = firsts.iter().zip(seconds).zip(keys);
-        let pairs =
-            pairs.map(|((first, second), key)| ([*first, *second], [*key as u16, (*key >> 16) as u16]));
-        let sums = self.granules.access(lanes, pairs, &mut [0; BATCH][..used]);
+        let Granules { places, keys } = &*self.batch;
+        let halves = |both: &u32| [*both as u16, (*both >> 16) as u16];
+        let pairs = places[..used].iter().map(halves).zip(keys.iter().map(halves));
+        let sums = self.granules.access_granules(lanes, pairs);
         // A spare row has its word from the beginning: it always hits.
         self.traffic.loads += 2 * used as u64 - sums.hits;
         self.marked += sums.marked;
@@ -436,8 +434,7 @@ impl Cache for WithMetadata {
 
     fn flush(&mut self) {
         self.forgotten += self.dirty();
-        let sets = self.granules.rows.len() - SPARE;
-        self.granules.rows[..sets].fill([Rows::<true>::FREE; 4]);
+        self.granules.rows[..1 << self.meta_bits].fill([Rows::<true>::FREE; 4]);
         self.lines.flush();
         self.forget_shapes();
     }

@@ -3,7 +3,7 @@
 //! `pulp` asks the processor what it has, so that nothing here is unsafe. On one without AVX2, and for Kani, the same steps are
 //! made one by one. The test below compares both.
 
-use super::rows::{Row, Sums, two};
+use super::rows::{PLACES, Row, Sums, two};
 use saarcor_model::vm::Policy;
 
 /// How steps are made.
@@ -37,9 +37,9 @@ impl Lanes {
         }
     }
 
-    /// Accesses of pairs of rows, in order: [`Rows::access`](super::rows::Rows::access). At most 2¹⁵ pairs, as vectors count in
-    /// 16 bits.
-    pub(super) fn access<const MARKS: bool>(
+    /// Accesses of pairs of sets of lines, in order: [`Rows::access`](super::rows::Rows::access). At most 2¹⁵ pairs, as vectors
+    /// count in 16 bits.
+    pub(super) fn access(
         self,
         rows: &mut [Row],
         policy: Policy,
@@ -50,14 +50,33 @@ impl Lanes {
             Self::Plain => {
                 let mut sums = Sums::default();
                 for ((places, keys), found) in pairs.zip(found) {
-                    *found = two::<MARKS>(rows, policy, places, keys, &mut sums);
+                    *found = two::<false>(rows, policy, places, keys, &mut sums);
                 }
                 sums
             }
             #[cfg(all(target_arch = "x86_64", not(kani)))]
-            Self::Avx2(lanes) => {
-                lanes.vectorize(vectors::Access::<MARKS, _> { lanes, rows, policy, pairs, found })
+            Self::Avx2(lanes) => lanes.vectorize(vectors::Access { lanes, rows, policy, pairs, found }),
+        }
+    }
+
+    /// Accesses of pairs of granules, in order: [`Rows::access_granules`](super::rows::Rows::access_granules). At most 2¹⁵ pairs, as
+    /// vectors count in 16 bits.
+    pub(super) fn access_granules(
+        self,
+        rows: &mut [Row; PLACES],
+        policy: Policy,
+        pairs: impl Iterator<Item = ([u16; 2], [u16; 2])>,
+    ) -> Sums {
+        match self {
+            Self::Plain => {
+                let mut sums = Sums::default();
+                for (places, keys) in pairs {
+                    two::<true>(rows, policy, places.map(u32::from), keys, &mut sums);
+                }
+                sums
             }
+            #[cfg(all(target_arch = "x86_64", not(kani)))]
+            Self::Avx2(lanes) => lanes.vectorize(vectors::AccessGranules { lanes, rows, policy, pairs }),
         }
     }
 
@@ -93,7 +112,7 @@ impl Lanes {
 
 #[cfg(all(target_arch = "x86_64", not(kani)))]
 mod vectors {
-    use super::{Policy, Row, Sums, two};
+    use super::{PLACES, Policy, Row, Sums, two};
     use bytemuck::cast;
     use pulp::NullaryFnOnce;
     pub use pulp::x86::V3;
@@ -144,7 +163,54 @@ mod vectors {
     static LRU: [Move; 256] = moves(false);
     static FIFO: [Move; 256] = moves(true);
 
-    pub struct Access<'a, const MARKS: bool, P> {
+    /// What both rows of a pair find, and what they add up to.
+    #[derive(Clone, Copy)]
+    struct Pairs {
+        lanes: V3,
+        moves: &'static [Move; 256],
+        hits: __m128i,
+        marked: __m128i,
+    }
+
+    impl Pairs {
+        fn new(lanes: V3, policy: Policy) -> Self {
+            let zero = lanes.sse2._mm_setzero_si128();
+            let moves = if policy == Policy::Fifo { &FIFO } else { &LRU };
+            Self { lanes, moves, hits: zero, marked: zero }
+        }
+
+        /// The steps of two different rows. Returns them, and what both found.
+        #[inline(always)]
+        fn step<const MARKS: bool>(&mut self, rows: [Row; 2], keys: [u16; 2]) -> ([Row; 2], u8) {
+            let V3 { sse2, ssse3, .. } = self.lanes;
+            let spread: __m128i = cast([0_u8, 1, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 2, 3]);
+            let words: __m128i = cast(rows);
+            let key = ssse3._mm_shuffle_epi8(sse2._mm_set1_epi32(cast(keys)), spread);
+            let same = if MARKS {
+                sse2._mm_cmpgt_epi16(sse2._mm_set1_epi16(2), sse2._mm_xor_si128(words, key))
+            } else {
+                sse2._mm_cmpeq_epi16(words, key)
+            };
+            self.hits = sse2._mm_sub_epi16(self.hits, same);
+            let found = sse2._mm_movemask_epi8(sse2._mm_packs_epi16(same, sse2._mm_setzero_si128())) as u8;
+            let Move { bytes, insert } = &self.moves[usize::from(found)];
+            let moved = ssse3._mm_shuffle_epi8(words, cast(*bytes));
+            let inserted = sse2._mm_and_si128(key, cast(*insert));
+            if MARKS {
+                let first = sse2._mm_andnot_si128(moved, inserted);
+                self.marked =
+                    sse2._mm_add_epi16(self.marked, sse2._mm_and_si128(first, sse2._mm_set1_epi16(1)));
+            }
+            (cast(sse2._mm_or_si128(moved, inserted)), found)
+        }
+
+        fn sums(self) -> Sums {
+            let sum = |lanes: __m128i| cast::<_, [u16; 8]>(lanes).into_iter().map(u64::from).sum::<u64>();
+            Sums { hits: sum(self.hits), marked: sum(self.marked) }
+        }
+    }
+
+    pub struct Access<'a, P> {
         pub lanes: V3,
         pub rows: &'a mut [Row],
         pub policy: Policy,
@@ -152,44 +218,45 @@ mod vectors {
         pub found: &'a mut [u8],
     }
 
-    impl<const MARKS: bool, P: Iterator<Item = ([u32; 2], [u16; 2])>> NullaryFnOnce for Access<'_, MARKS, P> {
+    impl<P: Iterator<Item = ([u32; 2], [u16; 2])>> NullaryFnOnce for Access<'_, P> {
         type Output = Sums;
 
         #[inline(always)]
         fn call(self) -> Sums {
-            let Self { lanes: V3 { sse2, ssse3, .. }, rows, policy, pairs, found } = self;
-            let moves = if policy == Policy::Fifo { &FIFO } else { &LRU };
-            let spread: __m128i = cast([0_u8, 1, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 2, 3]);
-            let (zero, one, under) =
-                (sse2._mm_setzero_si128(), sse2._mm_set1_epi16(1), sse2._mm_set1_epi16(2));
+            let Self { lanes, rows, policy, pairs, found } = self;
             let mut sums = Sums::default();
-            let (mut hits, mut marked) = (zero, zero);
+            let mut steps = Pairs::new(lanes, policy);
             for ((places, keys), found) in pairs.zip(found) {
                 // The second access of a pair sees what the first has done: in one row they go one by one.
                 let Ok([a, b]) = rows.get_disjoint_mut(places.map(|place| place as usize)) else {
-                    *found = two::<MARKS>(rows, policy, places, keys, &mut sums);
+                    *found = two::<false>(rows, policy, places, keys, &mut sums);
                     continue;
                 };
-                let words: __m128i = cast([*a, *b]);
-                let key = ssse3._mm_shuffle_epi8(sse2._mm_set1_epi32(cast(keys)), spread);
-                let same = if MARKS {
-                    sse2._mm_cmpgt_epi16(under, sse2._mm_xor_si128(words, key))
-                } else {
-                    sse2._mm_cmpeq_epi16(words, key)
-                };
-                hits = sse2._mm_sub_epi16(hits, same);
-                *found = sse2._mm_movemask_epi8(sse2._mm_packs_epi16(same, zero)) as u8;
-                let Move { bytes, insert } = &moves[usize::from(*found)];
-                let moved = ssse3._mm_shuffle_epi8(words, cast(*bytes));
-                let inserted = sse2._mm_and_si128(key, cast(*insert));
-                if MARKS {
-                    let first = sse2._mm_and_si128(sse2._mm_andnot_si128(moved, inserted), one);
-                    marked = sse2._mm_add_epi16(marked, first);
-                }
-                [*a, *b] = cast::<_, [Row; 2]>(sse2._mm_or_si128(moved, inserted));
+                ([*a, *b], *found) = steps.step::<false>([*a, *b], keys);
             }
-            let sum = |lanes: __m128i| cast::<_, [u16; 8]>(lanes).into_iter().map(u64::from).sum::<u64>();
-            Sums { hits: sums.hits + sum(hits), marked: sums.marked + sum(marked) }
+            Sums { hits: sums.hits + steps.sums().hits, ..sums }
+        }
+    }
+
+    pub struct AccessGranules<'a, P> {
+        pub lanes: V3,
+        pub rows: &'a mut [Row; PLACES],
+        pub policy: Policy,
+        pub pairs: P,
+    }
+
+    impl<P: Iterator<Item = ([u16; 2], [u16; 2])>> NullaryFnOnce for AccessGranules<'_, P> {
+        type Output = Sums;
+
+        #[inline(always)]
+        fn call(self) -> Sums {
+            let Self { lanes, rows, policy, pairs } = self;
+            let mut steps = Pairs::new(lanes, policy);
+            for (places, keys) in pairs {
+                let [a, b] = places.map(usize::from);
+                ([rows[a], rows[b]], _) = steps.step::<true>([rows[a], rows[b]], keys);
+            }
+            steps.sums()
         }
     }
 
@@ -265,19 +332,30 @@ mod tests {
         rows
     }
 
-    /// What `lanes` make of all pairs of rows and keys, each pair on its own, and of pairs in one row.
-    fn outcomes<const MARKS: bool>(lanes: Lanes, policy: Policy, keys: &[u16]) -> Vec<(Vec<Row>, u8, Sums)> {
+    /// What `lanes` make of all pairs of rows and keys, each pair on its own, and of pairs of lines in one row.
+    fn outcomes<const MARKS: bool>(lanes: Lanes, policy: Policy, keys: &[u16]) -> Vec<([Row; 2], u8, Sums)> {
         let rows = all_rows::<MARKS>(keys);
         // Beside each row one of all others in turn: every row and key on either side.
         let beside = |i: usize| rows[(i * 7 + 3) % rows.len()];
+        let mut granules = vec![[0; 4]; PLACES].into_boxed_slice();
+        let granules: &mut [Row; PLACES] = (&mut *granules).try_into().expect("so many");
         let mut outcomes = Vec::new();
         for (i, &row) in rows.iter().enumerate() {
             for &a in keys {
                 for &b in keys {
-                    for (mut pair, places) in [(vec![row, beside(i)], [0, 1]), (vec![row], [0, 0])] {
-                        let mut found = [0];
-                        let accesses = [(places, [a, b])].into_iter();
-                        let sums = lanes.access::<MARKS>(&mut pair, policy, accesses, &mut found);
+                    let pair = [row, beside(i)];
+                    if MARKS {
+                        let places = [u16::MAX, 0];
+                        [granules[PLACES - 1], granules[0]] = pair;
+                        let pairs = [(places, [a, b])].into_iter();
+                        let sums = lanes.access_granules(granules, policy, pairs);
+                        outcomes.push(([granules[PLACES - 1], granules[0]], 0, sums));
+                        continue;
+                    }
+                    for places in [[0, 1], [0, 0]] {
+                        let (mut pair, mut found) = (pair, [0]);
+                        let pairs = [(places, [a, b])].into_iter();
+                        let sums = lanes.access(&mut pair, policy, pairs, &mut found);
                         outcomes.push((pair, found[0], sums));
                     }
                 }
@@ -305,8 +383,8 @@ mod tests {
     fn vectors_count_as_many_pairs_as_they_are_given() {
         let pairs = || std::iter::repeat_n(([0, 1], [3, 5]), 1 << 15);
         let counts = [Lanes::Plain, Lanes::of_processor()].map(|lanes| {
-            let (mut rows, mut found) = (vec![[Rows::<true>::FREE; 4]; 2], vec![0; 1 << 15]);
-            lanes.access::<true>(&mut rows, Policy::Lru, pairs(), &mut found)
+            let mut granules = Rows::<true>::new(PLACES, Policy::Lru);
+            granules.access_granules(lanes, pairs())
         });
         assert_eq!(counts, [Sums { hits: (1 << 16) - 2, marked: 2 }; 2]);
     }

@@ -68,7 +68,9 @@ impl<const MARKS: bool> Rows<MARKS> {
     pub fn new(rows: usize, policy: Policy) -> Self {
         Self { rows: vec![[Self::FREE; 4]; rows], policy }
     }
+}
 
+impl Rows<false> {
     /// Uses keys in the rows at `places`, one after the other, two at a time. Byte `i` of `found` has [`Step::found`] of access
     /// `2 i` in its lower half, of access `2 i + 1` in its upper one. Pairs beyond the length of `found` are left.
     ///
@@ -81,7 +83,25 @@ impl<const MARKS: bool> Rows<MARKS> {
         found: &mut [u8],
     ) -> Sums {
         assert!(found.len() <= 1 << 15, "{} pairs at a time: at most 32768", found.len());
-        lanes.access::<MARKS>(&mut self.rows, self.policy, pairs, found)
+        lanes.access(&mut self.rows, self.policy, pairs, found)
+    }
+}
+
+/// As many rows as places of 16 bits tell apart.
+pub const PLACES: usize = 1 << 16;
+
+impl Rows<true> {
+    /// Uses at most 2¹⁵ pairs of keys, one after the other, each in two different rows.
+    ///
+    /// # Panics
+    /// If there are not [`PLACES`] rows.
+    pub fn access_granules(
+        &mut self,
+        lanes: Lanes,
+        pairs: impl Iterator<Item = ([u16; 2], [u16; 2])>,
+    ) -> Sums {
+        let Some(rows) = self.rows.first_chunk_mut() else { panic!("{} rows", self.rows.len()) };
+        lanes.access_granules(rows, self.policy, pairs)
     }
 }
 
