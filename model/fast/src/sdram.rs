@@ -145,7 +145,11 @@ impl Sdram {
 
     /// Gives a command in the first clock from `clock` on in which no other is given; this clock.
     fn give(&mut self, mut clock: u64, command: Command) -> u64 {
-        let mut place = self.commands.partition_point(|&(other, _)| other < clock);
+        // Most follow all others, or all but a few.
+        let mut place = self.commands.len();
+        while place > 0 && self.commands[place - 1].0 >= clock {
+            place -= 1;
+        }
         while self.commands.get(place).is_some_and(|&(other, _)| other == clock) {
             (place, clock) = (place + 1, clock + 1);
         }
