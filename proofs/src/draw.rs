@@ -2,6 +2,7 @@
 
 use crate::source::{Source, Stop};
 use crate::{assume, check};
+use saarcor_model::host::Edges;
 use saarcor_model::vm::{Bytes, Geometry, Hash, HostAddr, LineAddr, MAX_WAYS, Policy, Set};
 
 /// 0, 1, 2 ... up to 39, the last bit of a metadata entry.
@@ -43,6 +44,11 @@ pub static ENDS: [u32; 12] =
 /// One of two.
 pub fn flag(s: &mut impl Source, name: &'static str) -> bool {
     s.value(name, 0..=1, &BYTES[..2]) == 1
+}
+
+/// Either rule for edges.
+pub fn edges(s: &mut impl Source) -> Edges {
+    if flag(s, "edges are owned") { Edges::Owned } else { Edges::Shared }
 }
 
 /// Any replacement policy.

@@ -76,6 +76,7 @@ pub fn theorems() -> impl Iterator<Item = &'static theorem::Theorem> {
         rays::interval::THEOREMS,
         rays::traversal::THEOREMS,
         rays::intersection::THEOREMS,
+        rays::edges::THEOREMS,
         rays::texel::THEOREMS,
         rays::shading::THEOREMS,
         time::operation::THEOREMS,

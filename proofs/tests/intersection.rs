@@ -6,15 +6,18 @@ mod support;
 use glam::Vec3;
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
+use saarcor_model::host::Edges;
 use saarcor_model::rays::{ExactHit, Ray};
 use saarcor_oracles::exact::rational::{incidence, nearest_f64};
-use saarcor_oracles::exact::{Contact, Incidence, order, solve};
+use saarcor_oracles::exact::{Contact, Incidence, is_owned_hit, order, solve};
 use support::engine;
 
 /// Hit or not, where, and how the distance compares to that of another triangle.
 fn is_exact(ray: &Ray, corners: &[Vec3; 3], other: &[Vec3; 3]) -> Result<Incidence, TestCaseError> {
     let right = incidence(ray, corners);
-    let found = ExactHit::new(ray, corners);
+    let found = ExactHit::new(ray, corners, Edges::Shared);
+    let owned = ExactHit::new(ray, corners, Edges::Owned);
+    prop_assert_eq!(owned.is_some(), is_owned_hit(ray, corners), "owned, {:?} and {:?}", ray, corners);
     prop_assert_eq!(found.is_some(), right.is_hit(), "{:?} and {:?}: {:?}", ray, corners, right);
     let Some(found) = found else { return Ok(right) };
     let solution = solve(ray, corners).expect("a hit");
@@ -22,7 +25,7 @@ fn is_exact(ray: &Ray, corners: &[Vec3; 3], other: &[Vec3; 3]) -> Result<Inciden
         let right = nearest_f64(right);
         prop_assert!((found - right).abs() <= 2.0 * f64::EPSILON * right.abs(), "{} is not {}", found, right);
     }
-    if let Some(other_hit) = ExactHit::new(ray, other) {
+    if let Some(other_hit) = ExactHit::new(ray, other, Edges::Shared) {
         prop_assert_eq!(
             found.order(&other_hit),
             order(ray, corners, other),

@@ -8,13 +8,13 @@ use clap::builder::{
     MapValueParser, OsStringValueParser, PossibleValuesParser, TypedValueParser, ValueParserFactory,
 };
 use saarcor_kit::vm::config::{HASHES, POLICIES};
-use saarcor_model::host::Kernel;
+use saarcor_model::host::{Edges, Kernel};
 use saarcor_model::time::standard::{self as numbers, CHIP_CACHE_WAYS};
 use saarcor_model::time::{ChipConfig, PciConfig, UNIT_NAMES, Version};
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash, Policy, Unit};
 use saarcor_scenes::kdbuild::{BuildOptions, SplitRule};
 use saarcor_studies::error::ParseError;
-use saarcor_studies::names::{BUSES, KERNELS, Names, ORDERS, PACKETS, TREES, VERSIONS, WAYS, name_of};
+use saarcor_studies::names::{BUSES, EDGES, KERNELS, Names, ORDERS, PACKETS, TREES, VERSIONS, WAYS, name_of};
 use saarcor_studies::standard;
 use saarcor_studies::sweep::AXES;
 use saarcor_studies::trace::{PacketOrder, PacketSize, TraceOptions};
@@ -183,6 +183,10 @@ pub struct SceneArgs {
     /// Triangle test [default: moller-trumbore; where answers are judged, adaptive]
     #[arg(long, value_parser = choice(KERNELS))]
     pub kernel: Option<Kernel>,
+    /// Whose an edge or a vertex is that several triangles have: each one's, or one's alone, so that a ray through a
+    /// closed surface hits it once
+    #[arg(long, value_parser = choice(EDGES), default_value = name_of(EDGES, &Edges::Shared))]
+    pub edges: Edges,
 }
 
 impl SceneArgs {
@@ -198,6 +202,7 @@ impl SceneArgs {
             no_mip_maps: self.no_mip_maps,
             tree: BuildOptions { rule: self.tree, ..BuildOptions::default() },
             kernel: self.kernel.unwrap_or_default(),
+            edges: self.edges,
             last_frame,
             ..self.scene.world()?
         })

@@ -143,7 +143,7 @@ int main(void) {
         case 'a': answer(&(Ray){{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6], n[7]}, 1); break;
         case 'c':
             if (line[1] == ' ') answer(&(Ray){{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6], n[7]}, 0);
-            else puts(strstr(line, "=moller-trumbore") ? "ok observes=triangle,t,uv,touched" : "unsupported kernel");
+            else puts(!strcmp(line, "config kernel=moller-trumbore\n") ? "ok observes=triangle,t,uv,touched" : "unsupported kernel");
         }
     }
 }

@@ -207,6 +207,7 @@ pub const KD: &[(&str, &str)] = suites![
     "kd/scene-anywhere",
     "kd/scene-at-the-end",
     "kd/exact-order",
+    "kd/edges-owned",
     "kd/exact-edges",
     "kd/no-hole-between-triangles",
     "kd/flush-clears-all",

@@ -9,11 +9,11 @@
 //! different magnitudes. Rays aim at a vertex, at an edge, at the inside or beside it. At random, any
 //! coordinate may have any mantissa.
 
-use crate::draw::WORDS;
+use crate::draw::{self, WORDS};
 use crate::source::Source;
 use crate::{check, check_eq, cover, theorems};
 use saarcor_fast::adaptive::{AdaptiveRay, AdaptiveTriangle, FilteredIntersection};
-use saarcor_model::host::Kernel;
+use saarcor_model::host::{Edges, Kernel};
 use saarcor_model::rays::{
     ExactHit, Hits, Intersection, IntersectionUnit, Intervals, Packet, Query, Ray, StoredTriangle,
 };
@@ -82,14 +82,14 @@ const RAYS: usize = 4;
 /// one lane, or none.
 fn kept(
     unit: &mut impl IntersectionUnit<RAYS>,
-    kernel: Kernel,
+    (kernel, edges): (Kernel, Edges),
     packet: &Packet<RAYS>,
     query: Query,
     triangles: &[(u32, [Point; 3], usize)],
 ) -> Hits<RAYS> {
     let mut hits = Hits::none(packet);
     for &(addr, corners, missed) in triangles {
-        let triangle = StoredTriangle::new(HostAddr(addr), kernel, &corners.map(Into::into));
+        let triangle = StoredTriangle::new(HostAddr(addr), kernel, edges, &corners.map(Into::into));
         let mut cell = Intervals::EVERYWHERE;
         if missed < RAYS {
             (cell.enter[missed], cell.leave[missed]) = (1.0, 0.0);
@@ -109,10 +109,11 @@ theorems! {
     /// and weights to a unit in the last place of an f32.
     #[
         "IS-3", not_for_kani "it is arithmetic in floating point",
-        covers ["hit", "missed", "at a vertex", "outside of the range", "no plane"]
+        covers ["hit", "missed", "at a vertex", "outside of the range", "no plane", "an edge of another"]
     ]
     fn adaptive_test_is_the_exact_one(s) {
         let world = s.value("world", 0..=7, &WORDS[..8]);
+        let edges = draw::edges(s);
         let origin = point(s, world, [&ZERO_AND_THREE, &ZERO_AND_THREE, &ZERO_AND_THREE[..1]]);
         let a = point(s, world, [&MINUS_ONE_AND_ONE; 3]);
         let b = point(s, world, [&MINUS_ONE_AND_ONE, &MINUS_ONE_AND_ONE, &ONE_AND_TWO[..1]]);
@@ -125,16 +126,17 @@ theorems! {
             _ => ray.t_min = 1.0,
         }
         let corners = [a, b, c].map(Into::into);
-        let specified = ExactHit::new(&ray, &corners).map(|hit| hit.point());
-        let endless = ExactHit::new(&Ray { t_min: 0.0, t_max: f32::INFINITY, ..ray }, &corners);
+        let specified = ExactHit::new(&ray, &corners, edges).map(|hit| hit.point());
+        let endless = ExactHit::new(&Ray { t_min: 0.0, t_max: f32::INFINITY, ..ray }, &corners, Edges::Shared);
         let triangle = AdaptiveTriangle::new(&corners);
-        let found = triangle.intersect(&AdaptiveRay::new(&ray)).map(|hit| [hit.t, hit.u, hit.v]);
+        let found = triangle.intersect(edges, &AdaptiveRay::new(&ray)).map(|hit| [hit.t, hit.u, hit.v]);
         cover!(s, "hit", specified.is_some());
         cover!(s, "missed", endless.is_none());
         cover!(s, "at a vertex", specified.is_some_and(|[_, u, v]| u == 0.0 && v == 0.0));
         cover!(s, "outside of the range", endless.is_some() && specified.is_none());
+        cover!(s, "an edge of another", endless.is_some() && specified.is_none() && edges == Edges::Owned && ray.t_min == 0.0 && ray.t_max > 1.0);
         cover!(s, "no plane", a == b || b == c || c == a);
-        check_eq!(found.is_some(), specified.is_some(), "{ray:?} and {corners:?}");
+        check_eq!(found.is_some(), specified.is_some(), "{ray:?} and {corners:?}, {edges:?}");
         if let (Some(found), Some(specified)) = (found, specified) {
             let near = are_near(found[0], specified[0]);
             check!(near, "{ray:?} and {corners:?}: at {}, not {}", found[0], specified[0]);
@@ -156,6 +158,7 @@ theorems! {
     ]
     fn fast_intersection_unit_keeps_the_same_triangle(s) {
         let world = s.value("world", 0..=7, &WORDS[..8]);
+        let edges = draw::edges(s);
         let origin = point(s, world, [&ZERO_AND_THREE, &ZERO_AND_THREE, &ZERO_AND_THREE[1..]]);
         // Two triangles that share a corner, and one that shares an edge with each of them.
         let a = point(s, world, [&WORDS[1..2], &WORDS[1..2], &MINUS_ONE_AND_ONE]);
@@ -167,7 +170,7 @@ theorems! {
         let query = if s.value("query (closest, any)", 0..=1, &WORDS[..2]) == 0 { Query::Closest } else { Query::Any };
         let missed = s.value("lane that misses the first cell (4: none)", 0..=4, &WORDS[4..5]) as usize;
         let (first, second, third) = ((72, [a, b, c], missed), (36, [a, d, e], 4), (108, [c, d, b], 4));
-        let exact = |corners: [Point; 3]| ExactHit::new(&ray, &corners.map(Into::into));
+        let exact = |corners: [Point; 3]| ExactHit::new(&ray, &corners.map(Into::into), edges);
         let (p, q, r) = (exact(first.1), exact(second.1), exact(third.1));
         // Rays of which one ends and one begins where the first hit may be, and one of its own.
         let at = p.map_or(1.0, |hit| hit.rounded()[0]);
@@ -183,8 +186,8 @@ theorems! {
         cover!(s, "any hit", query == Query::Any && p.is_some());
         let packet = Packet::new(rays.map(Some));
         for triangles in [[first, second, third], [third, second, first]] {
-            let specified = kept(&mut Intersection::default(), Kernel::Adaptive, &packet, query, &triangles);
-            let found = kept(&mut FilteredIntersection::default(), Kernel::Adaptive, &packet, query, &triangles);
+            let specified = kept(&mut Intersection::default(), (Kernel::Adaptive, edges), &packet, query, &triangles);
+            let found = kept(&mut FilteredIntersection::default(), (Kernel::Adaptive, edges), &packet, query, &triangles);
             cover!(s, "cut off", specified.is_hit(0) && !specified.is_hit(1));
             cover!(s, "the third after a hit", specified.triangle[0] == 108 && p.is_some() && r.is_some());
             cover!(s, "a ray of its own", specified.is_hit(3) && specified.triangle[3] != specified.triangle[0]);
@@ -210,6 +213,7 @@ theorems! {
     ]
     fn wald_axis_by_axis_is_the_specified_test(s) {
         let world = s.value("world", 0..=7, &WORDS[..8]);
+        let edges = draw::edges(s);
         let origin = point(s, world, [&ZERO_AND_THREE, &ZERO_AND_THREE, &ZERO_AND_THREE[..1]]);
         let a = point(s, world, [&MINUS_ONE_AND_ONE; 3]);
         let b = point(s, world, [&MINUS_ONE_AND_ONE, &MINUS_ONE_AND_ONE, &ONE_AND_TWO[..1]]);
@@ -222,8 +226,8 @@ theorems! {
         let back = Ray { origin: ray.origin + ray.direction * 2.0, direction: -ray.direction, ..ray };
         let rays = [ray, Ray { t_min: 1.0, ..ray }, Ray { t_max: 1.0, ..ray }, back];
         let packet = Packet::new(rays.map(Some));
-        let specified = kept(&mut Intersection::default(), Kernel::Wald, &packet, query, &triangles);
-        let found = kept(&mut FilteredIntersection::default(), Kernel::Wald, &packet, query, &triangles);
+        let specified = kept(&mut Intersection::default(), (Kernel::Wald, edges), &packet, query, &triangles);
+        let found = kept(&mut FilteredIntersection::default(), (Kernel::Wald, edges), &packet, query, &triangles);
         cover!(s, "axis x", axis == 0);
         cover!(s, "axis y", axis == 1);
         cover!(s, "axis z", axis == 2);

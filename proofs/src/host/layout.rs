@@ -4,8 +4,8 @@ use crate::draw::WORDS;
 use crate::source::{Source, Stop};
 use crate::{assume, check, check_eq, cover, theorems};
 use saarcor_model::host::{
-    Aabb, Features, Kernel, LIST_ENTRY_BYTES, NODE_BYTES, Node, NodeRecord, REGION_ALIGNMENT, Registers,
-    TRIANGLE_BYTES, region_starts,
+    Aabb, Edges, Features, Kernel, LIST_ENTRY_BYTES, NODE_BYTES, Node, NodeRecord, REGION_ALIGNMENT,
+    Registers, TRIANGLE_BYTES, region_starts,
 };
 use saarcor_model::vm::{Bytes, HostAddr};
 
@@ -51,6 +51,7 @@ fn registers(triangles: HostAddr) -> Registers {
         root: HostAddr(0),
         bounds: Aabb::EMPTY,
         kernel: Kernel::MollerTrumbore,
+        edges: Edges::Shared,
         triangles,
         shading: HostAddr(0),
         features: Features::default(),

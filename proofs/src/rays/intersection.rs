@@ -8,7 +8,7 @@ use crate::draw::{self, WORDS};
 use crate::source::Source;
 use crate::{assume, check, check_eq, cover, theorems};
 use glam::Vec3;
-use saarcor_model::host::Kernel;
+use saarcor_model::host::{Axis, Edges, Kernel};
 use saarcor_model::rays::{
     Candidate, ExactHit, Hits, Intersection, IntersectionUnit, Intervals, Packet, Query, Ray, StoredTriangle,
     TriangleTest, Triple, WatertightTriangle, intersect, keep_nearest,
@@ -42,7 +42,7 @@ impl TriangleTest<f32> for Drawn {
         origin[0] == 1.0
     }
 
-    fn intersect(&self, &own: &bool) -> Candidate {
+    fn intersect<const OWNED: bool>(&self, &own: &bool) -> Candidate {
         if own { self.own } else { self.other }
     }
 }
@@ -125,7 +125,7 @@ theorems! {
             }
         }
         let was = bits(&hits, lane);
-        keep_nearest(Drawn { own: found, other }, HostAddr(addr), &packet, &cell, query, &mut hits);
+        keep_nearest(Drawn { own: found, other }, (HostAddr(addr), Edges::Shared), &packet, &cell, query, &mut hits);
         let starts = t_min <= found.t;
         let nearer = found.t < before || (found.t == before && addr < addr_before);
         let keeps = meets && found.inside && starts && found.t < t_max && nearer;
@@ -155,6 +155,7 @@ theorems! {
         covers ["hit first by both", "one hit", "any hit", "the last lane", "from lane 16 on"]
     ]
     fn rays_of_a_packet_are_tested_as_if_alone(s) {
+        let edges = draw::edges(s);
         let (kernel, lane) = (kernel(s), s.value("lane", 0..=63, &[0, 17, 63_u32]) as usize);
         let query = if draw::flag(s, "any hit") { Query::Any } else { Query::Closest };
         let target = point(s, [&WORDS[1..4], &WORDS[1..3], &WORDS[..1]]);
@@ -169,7 +170,7 @@ theorems! {
         let packet = Packet::new(rays);
         let triangles = [(72, 0.0), (36, 0.5), (108, 0.5), (144, -0.75)].map(|(addr, z)| {
             let corners = [Vec3::new(-2.0, -1.0, z), Vec3::new(2.0, -1.0, z), Vec3::new(0.0, 1.5, 2.0 * z)];
-            StoredTriangle::new(HostAddr(addr), kernel, &corners)
+            StoredTriangle::new(HostAddr(addr), kernel, edges, &corners)
         });
         let order = s.value("first triangle", 0..=3, &WORDS[..2]) as usize;
         let (mut unit, mut hits) = (Intersection::<RAYS>::default(), Hits::none(&packet));
@@ -204,11 +205,11 @@ theorems! {
 
     /// Where nothing is rounded but the last quotient, each test hits exactly what is hit exactly: rays in steps of
     /// whole numbers against triangles with whole corners, and by Möller and Trumbore's and by Wald's test those whose
-    /// divisors are powers of two; edges, vertices and t_min belong to it, t_max does not; distance and weights are the
+    /// divisors are powers of two; edges and vertices belong to it, or to it or another by the rule of ownership; t_min belongs to it, t_max does not; distance and weights are the
     /// true ones to a unit in the last place.
     #[
         "IS-1", not_for_kani "it is arithmetic in floating point",
-        covers ["inside", "on an edge", "at a vertex", "beside an edge", "at t_min", "at t_max", "in the plane", "without area", "from behind"]
+        covers ["inside", "on an edge", "at a vertex", "on an edge of another", "beside an edge", "at t_min", "at t_max", "in the plane", "without area", "from behind"]
     ]
     fn tests_are_exact_on_whole_numbers(s) {
         let kernel = kernel(s);
@@ -237,21 +238,33 @@ theorems! {
             _ => (0.0, 0.5),
         };
         let ray = Ray { origin, direction, t_min, t_max };
-        let exact = ExactHit::new(&ray, &corners).map(|hit| hit.point());
-        let endless = ExactHit::new(&Ray { t_min: 0.0, t_max: f32::INFINITY, ..ray }, &corners).map(|hit| hit.point());
+        let edges = draw::edges(s);
+        // The watertight test counts axes from the one after the ray's.
+        let first = match kernel {
+            Kernel::Watertight => Axis::of_greatest(direction.abs().to_array()) as usize + 1,
+            _ => 0,
+        };
+        let turned = |point: Vec3| Vec3::from([0, 1, 2].map(|axis| point[(first + axis) % 3]));
+        let exactly = |ray: Ray, edges: Edges| {
+            let ray = Ray { origin: turned(ray.origin), direction: turned(ray.direction), ..ray };
+            ExactHit::new(&ray, &corners.map(turned), edges).map(|hit| hit.point())
+        };
+        let exact = exactly(ray, edges);
+        let endless = exactly(Ray { t_min: 0.0, t_max: f32::INFINITY, ..ray }, Edges::Shared);
         let weights = endless.map(|[_, u, v]| [1.0 - u - v, u, v]);
         let zeros = weights.map(|weights| weights.into_iter().filter(|weight| *weight == 0.0).count());
         cover!(s, "inside", exact.is_some() && zeros == Some(0));
         cover!(s, "on an edge", exact.is_some() && zeros == Some(1));
         cover!(s, "at a vertex", exact.is_some() && zeros == Some(2));
+        cover!(s, "on an edge of another", edges == Edges::Owned && exact.is_none() && zeros == Some(1) && exactly(ray, Edges::Shared).is_some());
         cover!(s, "beside an edge", endless.is_none() && across != 0.0);
         cover!(s, "at t_min", exact.is_some_and(|[t, ..]| t == 1.0 && t_min == 1.0));
         cover!(s, "at t_max", exact.is_none() && endless.is_some_and(|[t, ..]| t == 1.0 && t_max == 1.0));
         cover!(s, "in the plane", across == 0.0 && largest > 0.0);
         cover!(s, "without area", largest == 0.0);
         cover!(s, "from behind", exact.is_some() && across > 0.0);
-        let found = intersect(kernel, &corners, &ray);
-        check_eq!(found.is_some(), exact.is_some(), "{kernel:?}: {ray:?} and {corners:?}, exactly {exact:?}");
+        let found = intersect(kernel, edges, &corners, &ray);
+        check_eq!(found.is_some(), exact.is_some(), "{kernel:?}, {edges:?}: {ray:?} and {corners:?}, exactly {exact:?}");
         if let (Some(found), Some(exact)) = (found, exact) {
             for (found, right) in [found.t, found.u, found.v].into_iter().zip(exact) {
                 let near = (f64::from(found) - right).abs() <= f64::from(f32::EPSILON) * right.abs();
@@ -289,8 +302,8 @@ theorems! {
         let mut direction = [0.0; 3];
         direction[axis] = ahead;
         let ray = Ray { origin: Vec3::ZERO, direction: direction.into(), t_min: 0.0, t_max: f32::INFINITY };
-        let exact = ExactHit::new(&ray, &corners.map(Vec3::from)).is_some();
-        let found = WatertightTriangle::<f32>::new(&corners.map(Vec3::from)).intersect(&WatertightTriangle::<f32>::ray([0.0; 3], direction));
+        let exact = ExactHit::new(&ray, &corners.map(Vec3::from), Edges::Shared).is_some();
+        let found = WatertightTriangle::<f32>::new(&corners.map(Vec3::from)).intersect::<false>(&WatertightTriangle::<f32>::ray([0.0; 3], direction));
         let zero = edges.iter().any(|(_, exact, _)| *exact == 0.0);
         let rounded = |sign: f64| edges.iter().any(|(rounded, exact, _)| *rounded == 0.0 && exact * sign > 0.0);
         cover!(s, "exactly zero", zero);

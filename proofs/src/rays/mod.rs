@@ -1,6 +1,7 @@
 //! Theorems of rays: where they come from, their way through the kd-tree, what they hit, and what it looks like.
 
 pub mod camera;
+pub mod edges;
 pub mod intersection;
 pub mod interval;
 pub mod ray;

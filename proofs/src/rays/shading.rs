@@ -9,7 +9,8 @@ use crate::source::{Source, Stop};
 use crate::{assume, check, check_eq, cover, theorems};
 use glam::{DVec3, Vec2, Vec3};
 use saarcor_model::host::{
-    Aabb, Features, Kernel, Light, MaterialRecord, Registers, ShadingRecord, TRIANGLE_BYTES, TextureRecord,
+    Aabb, Edges, Features, Kernel, Light, MaterialRecord, Registers, ShadingRecord, TRIANGLE_BYTES,
+    TextureRecord,
 };
 use saarcor_model::rays::{
     AMBIENT, Cones, Hits, Packet, Ray, Surface, sample_colour, sample_slope, surfaces,
@@ -47,6 +48,7 @@ fn registers(features: Features) -> Registers {
         root: HostAddr(0),
         bounds,
         kernel,
+        edges: Edges::Shared,
         triangles: TRIANGLES,
         shading: SHADING,
         features,

@@ -9,7 +9,7 @@ use crate::draw::{self, BYTES};
 use crate::source::{Source, Stop};
 use crate::{assume, check, check_eq, cover, theorems};
 use glam::Vec3;
-use saarcor_model::host::{Aabb, Axis, Features, Kernel, NodeRecord, Registers};
+use saarcor_model::host::{Aabb, Axis, Edges, Features, Kernel, NodeRecord, Registers};
 use saarcor_model::rays::{
     Children, Intervals, Packet, Query, Ray, Stack, Traversal, is_downwards, max, min, visit, widen,
 };
@@ -108,6 +108,7 @@ fn nodes_read<const N: usize>(bounds: Aabb, split: f32, rays: [Option<Ray>; N]) 
         root: HostAddr(0),
         bounds,
         kernel: Kernel::MollerTrumbore,
+        edges: Edges::Shared,
         triangles: HostAddr(64),
         shading: HostAddr(64),
         features: Features::default(),

@@ -60,7 +60,7 @@ pub fn search(triangles: &[Triangle], image: &HostImage, ray: &Ray) -> Option<(f
 
 pub fn distance(triangle: &Triangle, ray: &Ray) -> Option<f32> {
     let from = EdgeTriangle::<f32>::ray(ray.origin.to_array(), ray.direction.to_array());
-    let found = EdgeTriangle::new(&triangle.corners).intersect(&from);
+    let found = EdgeTriangle::new(&triangle.corners).intersect::<false>(&from);
     (found.inside && found.t >= ray.t_min && found.t < ray.t_max).then_some(found.t)
 }
 

@@ -7,7 +7,8 @@
 //!
 //! Rules where the geometry alone does not decide (IS-1, IS-2):
 //!
-//! * Edges and vertices belong to the triangle.
+//! * Edges and vertices belong to the triangle; where they are owned, to one of those that have them
+//!   ([`is_owned_hit`]).
 //! * A hit counts if `t_min ≤ t < t_max`.
 //! * A ray in the triangle's plane, a triangle without area and a ray without direction are misses:
 //!   they have no one point in common.
@@ -15,6 +16,7 @@
 //!   end; one that is NaN is a miss.
 //! * −0.0 is 0.
 
+pub mod crossings;
 pub mod filter;
 pub mod rational;
 
@@ -69,6 +71,27 @@ impl Incidence {
 #[must_use]
 pub fn judge(ray: &Ray, corners: &[Vec3; 3]) -> Incidence {
     Estimate::new(ray, corners).incidence().unwrap_or_else(|| rational::incidence(ray, corners))
+}
+
+/// Whether `ray` hits the triangle where edges are owned (IS-6), so that of the triangles around an edge or a vertex one
+/// has it.
+///
+/// ```
+/// use glam::Vec3;
+/// use saarcor_model::rays::Ray;
+/// use saarcor_oracles::exact::is_owned_hit;
+/// let ray = |x, y| Ray { origin: Vec3::new(x, y, -1.0), direction: Vec3::Z, t_min: 0.0, t_max: 2.0 };
+/// let [a, b, c, d] = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ONE.with_z(0.0)];
+/// // Moved along x, the ray passes from the one to the other.
+/// assert!(!is_owned_hit(&ray(0.5, 0.5), &[a, b, c]) && is_owned_hit(&ray(0.5, 0.5), &[b, d, c]));
+/// ```
+#[must_use]
+pub fn is_owned_hit(ray: &Ray, corners: &[Vec3; 3]) -> bool {
+    match judge(ray, corners) {
+        Incidence::Miss => false,
+        Incidence::Hit(Contact::Interior) => true,
+        Incidence::Hit(_) => rational::owns(ray, corners),
+    }
 }
 
 /// What a ray hits first among triangles.

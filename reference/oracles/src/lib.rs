@@ -26,6 +26,7 @@
 //! | [`metadata::NaiveTags`] | the metadata of version B, and what of it moves |
 //! | [`search::closest_hit`] | kd-tree traversal |
 //! | [`exact::judge`], [`exact::closest`] | triangle tests, and what a ray hits first |
+//! | [`exact::crossings::crossings`] | how often a ray hits the triangles around an edge or a vertex |
 //! | [`bounded::Bounded`] | how far off a triangle test that rounds may be, in any of the [`formats`] |
 //! | [`embree`] | answers of the model, by Embree |
 //! | [`bvh::Bvh`] | kd-tree traversal, in large scenes |

@@ -3,14 +3,14 @@
 use glam::Vec3;
 use proptest::prelude::*;
 use saarcor_fast::adaptive::{AdaptiveRay, AdaptiveTriangle, FilteredIntersection};
-use saarcor_model::host::Kernel;
+use saarcor_model::host::{Edges, Kernel};
 use saarcor_model::rays::{
     ExactHit, Hits, Intersection, IntersectionUnit, Intervals, Packet, Query, Ray, StoredTriangle,
     TriangleTest, WatertightTriangle, intersect,
 };
 use saarcor_model::vm::HostAddr;
 use saarcor_oracles::exact::rational::nearest_f64;
-use saarcor_oracles::exact::{Incidence, closest, judge, order, solve};
+use saarcor_oracles::exact::{Incidence, closest, is_owned_hit, judge, order, solve};
 use saarcor_oracles::formats::{F16, Format};
 
 /// Whole numbers, so small that contact, coplanarity and coincidence are frequent.
@@ -48,7 +48,9 @@ fn aimed(origin: Vec3, [a, b, c]: [Vec3; 3], (u, v): (f32, f32)) -> Vec3 {
 /// The adaptive test says what the judge says, and is as near to the true distance as it says: that of
 /// the specification, and that of its twin.
 fn adaptive_is_exact(ray: &Ray, corners: &[Vec3; 3]) -> Result<(), TestCaseError> {
-    let specified = ExactHit::new(ray, corners);
+    let owned = is_owned_hit(ray, corners);
+    prop_assert_eq!(ExactHit::new(ray, corners, Edges::Owned).is_some(), owned);
+    let specified = ExactHit::new(ray, corners, Edges::Shared);
     prop_assert_eq!(specified.is_some(), judge(ray, corners).is_hit());
     if let Some(found) = specified {
         let solution = solve(ray, corners).expect("hit");
@@ -63,7 +65,8 @@ fn adaptive_is_exact(ray: &Ray, corners: &[Vec3; 3]) -> Result<(), TestCaseError
         }
     }
     let triangle = AdaptiveTriangle::new(corners);
-    let found = triangle.intersect(&AdaptiveRay::new(ray));
+    prop_assert_eq!(triangle.intersect(Edges::Owned, &AdaptiveRay::new(ray)).is_some(), owned);
+    let found = triangle.intersect(Edges::Shared, &AdaptiveRay::new(ray));
     prop_assert_eq!(found.is_some(), judge(ray, corners).is_hit());
     if let Some(found) = found {
         let true_t = nearest_f64(&solve(ray, corners).expect("hit").t);
@@ -92,7 +95,7 @@ fn first_of(unit: &mut impl IntersectionUnit<1>, ray: &Ray, triangles: &[[Vec3; 
     let packet = Packet::new([Some(*ray)]);
     let mut hits = Hits::none(&packet);
     for (addr, corners) in (0..).zip(triangles).collect::<Vec<_>>().into_iter().rev() {
-        let triangle = StoredTriangle::new(HostAddr(addr), Kernel::Adaptive, corners);
+        let triangle = StoredTriangle::new(HostAddr(addr), Kernel::Adaptive, Edges::Shared, corners);
         unit.intersect(&triangle, &packet, &Intervals::EVERYWHERE, Query::Closest, &mut hits);
     }
     hits.is_hit(0).then(|| hits.triangle[0])
@@ -104,7 +107,7 @@ fn small_triangles_have_a_distance_in_the_watertight_test() {
     let e = 2.0_f32.powi(-9);
     let corners = [Vec3::new(-e, -e, 1.0), Vec3::new(e, -e, 1.0), Vec3::new(0.0, e, 1.0)];
     let ray = WatertightTriangle::<F16>::ray([0.0; 3], [0.0, 0.0, 1.0]);
-    let found = WatertightTriangle::<F16>::new(&corners).intersect(&ray);
+    let found = WatertightTriangle::<F16>::new(&corners).intersect::<false>(&ray);
     assert!(found.inside && found.t.to_f64() == 1.0, "{found:?}");
 }
 
@@ -165,7 +168,7 @@ proptest! {
         // The same as two by two.
         let prepared: Vec<_> = triangles.iter().map(AdaptiveTriangle::new).collect();
         let hits: Vec<_> =
-            prepared.iter().filter_map(|triangle| triangle.intersect(&AdaptiveRay::new(&ray))).collect();
+            prepared.iter().filter_map(|triangle| triangle.intersect(Edges::Shared, &AdaptiveRay::new(&ray))).collect();
         for a in &hits {
             for b in &hits {
                 prop_assert_eq!(a.order(b, &ray), order(&ray, a.corners, b.corners));
@@ -187,7 +190,7 @@ proptest! {
         prop_assert!(judge(&ray, &corners) != Incidence::Miss);
         let t = nearest_f64(&solve(&ray, &corners).expect("hit").t);
         for kernel in Kernel::ALL {
-            let found = intersect(kernel, &corners, &ray);
+            let found = intersect(kernel, Edges::Shared, &corners, &ray);
             prop_assert!(found.is_some_and(|found| (f64::from(found.t) - t).abs() < 1e-4), "{:?}", kernel);
         }
     }

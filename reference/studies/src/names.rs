@@ -1,7 +1,7 @@
 //! Names of kernels, versions, buses and the like, on a command line and in rows.
 
 use crate::trace::{PacketOrder, PacketSize};
-use saarcor_model::host::Kernel;
+use saarcor_model::host::{Edges, Kernel};
 use saarcor_model::time::{PciConfig, Version};
 use saarcor_scenes::kdbuild::SplitRule;
 
@@ -16,6 +16,9 @@ pub const KERNELS: Names<Kernel> = &[
     ("watertight", Kernel::Watertight),
     ("adaptive", Kernel::Adaptive),
 ];
+
+/// The rules for edges that several triangles have, by their names.
+pub const EDGES: Names<Edges> = &[("shared", Edges::Shared), ("owned", Edges::Owned)];
 
 /// How kd-trees are built, by name.
 pub const TREES: Names<SplitRule> = &[("sah", SplitRule::SurfaceArea), ("median", SplitRule::SpatialMedian)];

@@ -78,7 +78,7 @@ fn search<T: TriangleTest<f32> + Sync>(
     let closest = |ray: &Ray| {
         let from = T::ray(ray.origin.to_array(), ray.direction.to_array());
         closest_hit(&prepared, |triangle| {
-            let hit = triangle.intersect(&from);
+            let hit = triangle.intersect::<false>(&from);
             (hit.inside & (hit.t >= ray.t_min) & (hit.t < ray.t_max)).then_some(hit.t)
         })
     };

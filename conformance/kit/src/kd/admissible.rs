@@ -53,7 +53,7 @@ pub fn follow(memory: &[u8], scene: &LegalScene, ray: &Ray, touched: &[u32]) -> 
             walk.reads(triangle)?;
             if let Ok(place) = scene.addresses.binary_search(&triangle.0) {
                 let corners = &scene.corners[place];
-                walk.tests(PossibleHit::new(scene.registers.kernel, triangle.0, corners, ray));
+                walk.tests(PossibleHit::new(&scene.registers, triangle.0, corners, ray));
             }
         }
     }
@@ -146,8 +146,8 @@ mod tests {
             <EdgeTriangle<Double> as TriangleTest<Double>>::ray(origin, direction)
         }
 
-        fn intersect(&self, ray: &Self::Ray) -> Candidate {
-            let Candidate { t, u, v, inside } = self.0.intersect(ray);
+        fn intersect<const OWNED: bool>(&self, ray: &Self::Ray) -> Candidate {
+            let Candidate { t, u, v, inside } = self.0.intersect::<OWNED>(ray);
             let [t, u, v] = [t, u, v].map(|number| number.0 as f32);
             Candidate { t, u, v, inside }
         }
@@ -165,7 +165,7 @@ mod tests {
             let words = triangle.record.words;
             let corners = [0, 3, 6].map(|at| Vec3::from_slice(&words[at..]));
             let test = <Self as TriangleTest<f32>>::new(&corners);
-            keep_nearest(test, triangle.addr, packet, cell, query, hits);
+            keep_nearest(test, (triangle.addr, triangle.edges), packet, cell, query, hits);
         }
     }
 

@@ -109,7 +109,7 @@ impl Kind for Kd {
     }
 
     fn keys(&self) -> Vec<&'static str> {
-        vec!["kernel"]
+        vec!["kernel", "edges"]
     }
 
     fn comparison<'a>(

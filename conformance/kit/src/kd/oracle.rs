@@ -2,12 +2,13 @@
 
 use super::request::{Request, push_f32s};
 use super::scene_memory::{LegalScene, SceneMemory, parse_config};
+use super::truth::candidates;
 use super::walk::trace;
 use crate::error::Error;
 use crate::hex;
 use crate::implementation::Implementation;
 use crate::kind::Oracle;
-use saarcor_model::host::Kernel;
+use saarcor_model::host::{Edges, Kernel};
 use saarcor_model::rays::{Query, Ray};
 use saarcor_oracles::exact::rational::nearest_f32;
 use saarcor_oracles::exact::{closest, solve};
@@ -16,7 +17,8 @@ use saarcor_oracles::exact::{closest, solve};
 #[derive(Clone, Debug)]
 pub struct KdOracle {
     oracle: Oracle,
-    kernel: Kernel,
+    /// The triangle test, and the rule for edges.
+    test: (Kernel, Edges),
     world: SceneMemory,
     /// The scene that lies in memory, once a ray was traced in it.
     scene: Option<LegalScene>,
@@ -28,8 +30,8 @@ impl KdOracle {
     /// # Errors
     /// The key whose value is wrong.
     pub fn new(oracle: Oracle, config: &str) -> Result<Self, Error> {
-        let kernel = parse_config(config)?;
-        Ok(Self { oracle, kernel, world: SceneMemory::default(), scene: None })
+        let test = parse_config(config)?;
+        Ok(Self { oracle, test, world: SceneMemory::default(), scene: None })
     }
 
     /// Takes what a request changes; a ray changes nothing.
@@ -46,7 +48,7 @@ impl KdOracle {
     pub fn scene(&mut self) -> Result<(&LegalScene, &[u8]), Error> {
         let scene = match self.scene.take() {
             Some(scene) => scene,
-            None => self.world.scene(self.kernel)?,
+            None => self.world.scene(self.test)?,
         };
         Ok((self.scene.insert(scene), &self.world.memory))
     }
@@ -98,7 +100,7 @@ fn model(scene: &LegalScene, memory: &[u8], ray: &Ray, query: Query, answer: &mu
 
 /// All triangles, exactly; of those hit first the one at the lowest address.
 fn naive(scene: &LegalScene, ray: &Ray, query: Query, answer: &mut Vec<u8>) {
-    let numbered = (0..).zip(scene.corners.iter().copied());
+    let numbered = candidates(scene, ray);
     let first = closest(ray, numbered).and_then(|closest| closest.triangles.first().copied());
     let hit = first.and_then(|(place, _)| {
         let point = solve(ray, &scene.corners[place as usize])?;

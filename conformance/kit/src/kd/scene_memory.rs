@@ -6,8 +6,8 @@ use crate::hex;
 use crate::words::{Choices, Values};
 use glam::Vec3;
 use saarcor_model::host::{
-    Aabb, Features, KdTree, Kernel, LIST_ENTRY_BYTES, ListEntry, NODE_BYTES, Node, NodeRecord, Registers,
-    TRIANGLE_BYTES, Triangle,
+    Aabb, Edges, Features, KdTree, Kernel, LIST_ENTRY_BYTES, ListEntry, NODE_BYTES, Node, NodeRecord,
+    Registers, TRIANGLE_BYTES, Triangle,
 };
 use saarcor_model::vm::{HostAddr, HostMemory as _};
 use std::collections::{BTreeMap, VecDeque};
@@ -23,12 +23,18 @@ pub const KERNELS: Choices<Kernel> = &[
 /// Most nodes and most list entries of a tree (Assumed), so that a session takes little time.
 const MAX_ITEMS: usize = 1 << 16;
 
-/// The test that a configuration `kernel=moller-trumbore` names.
+/// The rules for edges and vertices that several triangles have, by their names.
+pub const EDGES: Choices<Edges> = &[("shared", Edges::Shared), ("owned", Edges::Owned)];
+
+/// The test and the rule for edges that a configuration `kernel=moller-trumbore edges=shared` names. Without `edges` they
+/// are shared.
 ///
 /// # Errors
 /// The key that is wrong, and what would be right.
-pub fn parse_config(config: &str) -> Result<Kernel, Error> {
-    Values::parse(config, &["kernel"])?.named("kernel", KERNELS)
+pub fn parse_config(config: &str) -> Result<(Kernel, Edges), Error> {
+    let keys = &["kernel", "edges"];
+    let values = Values::parse(config, keys)?.or(Values::parse("edges=shared", keys)?);
+    Ok((values.named("kernel", KERNELS)?, values.named("edges", EDGES)?))
 }
 
 /// The host's memory, and the box around the scene: what requests change.
@@ -65,7 +71,7 @@ impl SceneMemory {
     /// # Errors
     /// Why it is none that the driver may hand over (KD-2, HI-4), or not one in which a search over all
     /// triangles gives what a traversal does.
-    pub fn scene(&self, kernel: Kernel) -> Result<LegalScene, Error> {
+    pub fn scene(&self, (kernel, edges): (Kernel, Edges)) -> Result<LegalScene, Error> {
         let bounds = self.bounds.ok_or("a ray before the box, 'b X0 Y0 Z0 X1 Y1 Z1'")?;
         let mut reading = TreeReader { memory: &self.memory, refs: Vec::new(), triangles: BTreeMap::new() };
         let nodes = reading.nodes()?;
@@ -85,7 +91,12 @@ impl SceneMemory {
                 return Err(format!("the triangle at {addr:x} has no area").into());
             }
         }
-        let scene = LegalScene { registers: registers(bounds, kernel), tree, addresses, corners };
+        let scene = LegalScene {
+            registers: Registers { edges, ..registers(bounds, kernel) },
+            tree,
+            addresses,
+            corners,
+        };
         scene.check_lists()?;
         Ok(scene)
     }
@@ -98,6 +109,7 @@ fn registers(bounds: Aabb, kernel: Kernel) -> Registers {
         root: HostAddr(0),
         bounds,
         kernel,
+        edges: Edges::Shared,
         triangles: nothing,
         shading: nothing,
         features: Features::default(),

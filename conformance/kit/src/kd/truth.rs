@@ -8,13 +8,13 @@
 use super::request::Hit;
 use super::scene_memory::LegalScene;
 use glam::Vec3;
-use saarcor_model::host::Kernel;
+use saarcor_model::host::{Edges, Kernel, Registers};
 use saarcor_model::rays::{
     Candidate, EdgeTriangle, Number, PluckerTriangle, Query, Ray, TriangleTest, WatertightTriangle,
 };
 use saarcor_oracles::bounded::Bounded;
 use saarcor_oracles::exact::rational::nearest_f64;
-use saarcor_oracles::exact::{Incidence, closest, judge, solve};
+use saarcor_oracles::exact::{Incidence, closest, is_owned_hit, judge, solve};
 
 /// Why an answer is wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -59,6 +59,13 @@ pub(super) struct PossibleHit {
     pub(super) hit: bool,
 }
 
+/// The triangles that a ray may hit, with their places in the scene: all; where edges are owned, those that own what the
+/// ray meets.
+pub(super) fn candidates(scene: &LegalScene, ray: &Ray) -> impl Iterator<Item = (u32, [Vec3; 3])> {
+    let numbered = (0..).zip(scene.corners.iter().copied());
+    numbered.filter(|(_, corners)| scene.registers.edges == Edges::Shared || is_owned_hit(ray, corners))
+}
+
 impl Truth {
     /// Of a ray in a scene.
     #[must_use]
@@ -67,15 +74,15 @@ impl Truth {
         let candidates = match scene.registers.kernel {
             // The first triangles alone: of those at the same distance the one at the lowest address.
             Kernel::Adaptive => {
-                let numbered = (0..).zip(scene.corners.iter().copied());
-                let first = closest(ray, numbered).and_then(|closest| closest.triangles.first().copied());
+                let first = closest(ray, candidates(scene, ray))
+                    .and_then(|closest| closest.triangles.first().copied());
                 let triangles = first.into_iter().map(|(place, _)| place as usize);
                 let known =
                     |place: usize| PossibleHit::exact(scene.addresses[place], &scene.corners[place], ray);
                 triangles.filter_map(known).collect()
             }
-            kernel => {
-                let known = |(&addr, corners)| PossibleHit::new(kernel, addr, corners, ray);
+            _ => {
+                let known = |(&addr, corners)| PossibleHit::new(&scene.registers, addr, corners, ray);
                 triangles.filter_map(known).collect()
             }
         };
@@ -210,16 +217,24 @@ impl PossibleHit {
     }
 
     /// Of a ray and a triangle by a test; none where it certainly misses the triangle.
-    pub(super) fn new(kernel: Kernel, addr: u32, corners: &[Vec3; 3], ray: &Ray) -> Option<Self> {
-        match kernel {
+    pub(super) fn new(registers: &Registers, addr: u32, corners: &[Vec3; 3], ray: &Ray) -> Option<Self> {
+        let Registers { kernel, edges, .. } = *registers;
+        let found = match kernel {
             Kernel::Adaptive if judge(ray, corners) == Incidence::Miss => None,
+            Kernel::Adaptive if edges == Edges::Owned && !is_owned_hit(ray, corners) => None,
             Kernel::Adaptive => Self::exact(addr, corners, ray),
             Kernel::Plucker => Self::bounded::<PluckerTriangle<Bounded>>(addr, corners, ray),
             Kernel::Watertight => Self::bounded::<WatertightTriangle<Bounded>>(addr, corners, ray),
             Kernel::MollerTrumbore | Kernel::Wald => {
                 Self::bounded::<EdgeTriangle<Bounded>>(addr, corners, ray)
             }
-        }
+        }?;
+        // A test that rounds may find a weight of 0, which is another's, where none is certainly more.
+        let above = |weight: Bounded| weight.value - weight.error > 0.0;
+        let owns = kernel == Kernel::Adaptive || edges == Edges::Shared;
+        let hit = found.hit
+            && (owns || [found.u, found.v, <Bounded>::ONE - (found.u + found.v)].into_iter().all(above));
+        Some(Self { hit, ..found })
     }
 
     /// Of a triangle that the ray hits, in exact numbers.
@@ -232,7 +247,7 @@ impl PossibleHit {
     /// By what the test gives (IS-1, IS-2).
     fn bounded<T: TriangleTest<Bounded>>(addr: u32, corners: &[Vec3; 3], ray: &Ray) -> Option<Self> {
         let of_ray = T::ray(ray.origin.to_array(), ray.direction.to_array());
-        let Candidate { t, u, v, .. } = T::new(corners).intersect(&of_ray);
+        let Candidate { t, u, v, .. } = T::new(corners).intersect::<false>(&of_ray);
         if t.is_undefined() {
             return None;
         }

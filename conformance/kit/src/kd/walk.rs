@@ -120,7 +120,12 @@ pub fn steps(memory: &[u8], scene: &LegalScene, ray: &Ray) -> Vec<Step> {
             let ListEntry { triangle, tag } = ListEntry::decode(entry);
             let before = hits.triangle[0];
             let record = TriangleRecord::decode(memory.fetch(Unit::Intersection, triangle), tag);
-            let stored = StoredTriangle { addr: triangle, kernel: scene.registers.kernel, record };
+            let stored = StoredTriangle {
+                addr: triangle,
+                kernel: scene.registers.kernel,
+                edges: scene.registers.edges,
+                record,
+            };
             let cell = Intervals { enter: [enter], leave: [leave] };
             unit.intersect(&stored, &packet, &cell, Query::Closest, &mut hits);
             let taken = hits.triangle[0] != before;

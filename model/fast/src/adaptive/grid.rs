@@ -3,6 +3,7 @@
 //!
 //! Twin of [`saarcor_model::rays::ExactHit`], where there is such a grid.
 
+use super::volumes::Signs;
 use glam::Vec3;
 use saarcor_model::rays::{Ray, Triple};
 use std::cmp::Ordering;
@@ -96,11 +97,9 @@ fn dot(a: Triple<i64>, b: Triple<i128>) -> i128 {
 }
 
 impl WholeVolumes {
-    /// Whether line and plane have just one point in common, and no weight of it has another sign
-    /// than the sum.
-    pub(super) fn are_inside(&self) -> bool {
-        let sign = self.sum.signum();
-        sign != 0 && self.weights.iter().all(|weight| weight.signum() != -sign)
+    /// The signs of the weights and of their sum.
+    pub(super) fn signs(&self) -> Signs {
+        (self.weights.map(|weight| weight.cmp(&0)), self.sum.cmp(&0))
     }
 
     /// Distance, and weights of the second and the third corner. Numerator, divisor and quotient are
@@ -183,7 +182,7 @@ mod tests {
         let corners = [Vec3::X, Vec3::Y, Vec3::Z * 2.0_f32.powi(21)];
         let grid = Grid::new(&ray, &corners).expect("on the grid");
         let volumes = grid.volumes(&corners).expect("on the grid");
-        assert!(volumes.are_inside() && volumes.point()[0] == 1.0);
+        assert_eq!((volumes.signs(), volumes.point()[0]), (([Ordering::Greater; 3], Ordering::Greater), 1.0));
         let error = 2.0 * f64::EPSILON;
         assert_eq!(volumes.distance_to(1.0, error), None);
         assert_eq!(volumes.distance_to(1.0_f32.next_down(), error), Some(Ordering::Greater));

@@ -4,14 +4,11 @@
 
 use super::expansion::{two_product, two_sum};
 use super::grid::Grid;
-use super::volumes::Volumes;
+use super::volumes::{Signs, UNIT, Volumes, slope_sign};
 use glam::{DVec3, Vec3};
-use saarcor_model::host::Axis;
+use saarcor_model::host::{Axis, Edges};
 use saarcor_model::rays::{Ray, Triple};
 use std::cmp::Ordering;
-
-/// The roundoff of f64.
-const UNIT: f64 = f64::EPSILON / 2.0;
 
 /// A triangle prepared for the adaptive test: Wald's projection test, counted from a corner and
 /// computed in f64, with a bound of its error; exact arithmetic only where that leaves a doubt.
@@ -19,8 +16,8 @@ const UNIT: f64 = f64::EPSILON / 2.0;
 /// Whether a triangle is hit, whether within the ray's range, and which of two is hit first are so
 /// decided as if nothing were rounded:
 ///
-/// * Contact: edges and vertices belong to the triangle, exactly. A ray through the edge of two
-///   triangles hits both at the same distance, and the lower address owns it (IS-2).
+/// * Contact: edges and vertices belong to the triangle, exactly; where they are owned, to one of the
+///   triangles (IS-6).
 /// * Without area, or with the ray in the plane: a miss, since they have no one point in common.
 /// * NaN and infinity: a miss.
 ///
@@ -201,18 +198,18 @@ impl AdaptiveTriangle {
         }
     }
 
-    /// Whether `ray` hits the triangle within its range, exactly (IS-1, IS-2).
+    /// Whether `ray` hits the triangle within its range, exactly (IS-1, IS-2, IS-6).
     #[inline(always)]
     #[must_use]
-    pub fn intersect(&self, ray: &AdaptiveRay) -> Option<AdaptiveHit<'_>> {
+    pub fn intersect(&self, edges: Edges, ray: &AdaptiveRay) -> Option<AdaptiveHit<'_>> {
         let found = self.estimate(ray);
         if found.is_outside() {
             return None;
         }
         if found.margin > found.weight_error {
-            self.in_range(ray, &found)
+            self.in_range(edges, ray, &found)
         } else {
-            self.intersect_exactly(&ray.ray)
+            self.intersect_exactly(edges, &ray.ray)
         }
     }
 
@@ -220,7 +217,7 @@ impl AdaptiveTriangle {
     /// known to half a unit in the last place of an f32, so that, rounded, it is off by less than
     /// one: traversal cuts off by it what lies behind (KD-4).
     #[inline(always)]
-    fn in_range(&self, ray: &AdaptiveRay, found: &Estimate) -> Option<AdaptiveHit<'_>> {
+    fn in_range(&self, edges: Edges, ray: &AdaptiveRay, found: &Estimate) -> Option<AdaptiveHit<'_>> {
         let reciprocal = 1.0 / found.across;
         let t = -found.height * reciprocal;
         let error = self.distance_slack * ((found.reach + t.abs() * ray.size) * reciprocal.abs());
@@ -231,15 +228,15 @@ impl AdaptiveTriangle {
             let hit = AdaptiveHit { t, u, v, t_error: error, corners: &self.corners };
             ((t > t_min) & (t < t_max)).then_some(hit)
         } else {
-            self.intersect_exactly(&ray.ray)
+            self.intersect_exactly(edges, &ray.ray)
         }
     }
 
     /// Without rounding, but for that of the numbers in the end.
     #[inline(always)]
-    fn intersect_exactly(&self, ray: &Ray) -> Option<AdaptiveHit<'_>> {
+    fn intersect_exactly(&self, edges: Edges, ray: &Ray) -> Option<AdaptiveHit<'_>> {
         // The hit is put together here, out of the cold function, so that the usual one stays in registers.
-        let [t, u, v] = exact_point(ray, &self.corners)?;
+        let [t, u, v] = exact_point(ray, &self.corners, edges)?;
         Some(AdaptiveHit { t, u, v, t_error: exact_error(t), corners: &self.corners })
     }
 }
@@ -247,9 +244,9 @@ impl AdaptiveTriangle {
 /// Distance and weights where `ray` hits the triangle within its range.
 #[cold]
 #[inline(never)]
-fn exact_point(ray: &Ray, corners: &[Vec3; 3]) -> Option<[f64; 3]> {
+fn exact_point(ray: &Ray, corners: &[Vec3; 3], edges: Edges) -> Option<[f64; 3]> {
     if let Some(volumes) = Grid::new(ray, corners).and_then(|grid| grid.volumes(corners)) {
-        if !volumes.are_inside() {
+        if !is_inside(volumes.signs(), ray, corners, edges) {
             return None;
         }
         let point @ [t, ..] = volumes.point();
@@ -258,10 +255,23 @@ fn exact_point(ray: &Ray, corners: &[Vec3; 3]) -> Option<[f64; 3]> {
             return (starts != Ordering::Less && ends == Ordering::Less).then_some(point);
         }
     }
-    let volumes = Volumes::new(ray, corners).filter(Volumes::are_inside)?;
+    let volumes = Volumes::new(ray, corners)?;
+    if !is_inside(volumes.signs(), ray, corners, edges) {
+        return None;
+    }
     let starts = volumes.distance_to(ray.t_min)? != Ordering::Less;
     let ends = volumes.distance_to(ray.t_max)? == Ordering::Less;
     (starts && ends).then(|| volumes.point())
+}
+
+/// Whether a ray meets a triangle, by the signs of the three weights and of their sum (IS-1, IS-6).
+fn is_inside((weights, sum): Signs, ray: &Ray, [a, b, c]: &[Vec3; 3], edges: Edges) -> bool {
+    let opposite = [(b, c), (c, a), (a, b)];
+    let belongs = |(sign, (from, to)): (Ordering, (&Vec3, &Vec3))| {
+        sign == sum
+            || sign.is_eq() && (edges == Edges::Shared || slope_sign(ray.direction, *from, *to) == sum)
+    };
+    sum.is_ne() && weights.into_iter().zip(opposite).all(belongs)
 }
 
 /// Which of two triangles that `ray` hits is nearer.
@@ -358,7 +368,7 @@ mod tests {
         let fast = triangle.estimate(&ray);
         let error = triangle.distance_slack * fast.reach / fast.across.abs();
         assert!(fast.margin > fast.weight_error && error > known(f64::from(ahead)), "{fast:?}");
-        let hit = triangle.intersect(&ray).expect("inside");
+        let hit = triangle.intersect(Edges::Shared, &ray).expect("inside");
         assert!(hit.t == f64::from(ahead) && hit.t_error <= known(hit.t), "{hit:?}");
     }
 
@@ -373,7 +383,7 @@ mod tests {
             let triangle = AdaptiveTriangle::new(&corners.map(|p| origin + Vec3::from(p)));
             let direction = Vec3::new(1.0, 0.25, 0.125);
             let ray = AdaptiveRay::new(&Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY });
-            let Some(hit) = triangle.intersect(&ray) else { continue };
+            let Some(hit) = triangle.intersect(Edges::Shared, &ray) else { continue };
             assert!(hit.t_error <= hit.t * f64::from(f32::EPSILON / 2.0), "{hit:?}");
             if hit.t_error <= exact_error(hit.t) { exactly += 1 } else { fast += 1 }
         }
@@ -404,8 +414,8 @@ mod tests {
             let direction = (aim - origin) * 2.0_f32.powi([-20, -10, 0, 10, 20][round % 5]);
             let ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
             let triangle = AdaptiveTriangle::new(&corners);
-            let Some(hit) = triangle.intersect(&AdaptiveRay::new(&ray)) else { continue };
-            let volumes = Volumes::new(&ray, &corners).filter(Volumes::are_inside).expect("a hit");
+            let Some(hit) = triangle.intersect(Edges::Shared, &AdaptiveRay::new(&ray)) else { continue };
+            let volumes = Volumes::new(&ray, &corners).expect("a hit");
             let [t, ..] = volumes.point();
             // What is taken for the truth is rounded, too.
             let allowed = hit.t_error + exact_error(t);
@@ -433,8 +443,9 @@ mod tests {
             let ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
             let triangles = [[p, q, c], [d, p, q]].map(|corners| AdaptiveTriangle::new(&corners));
             let ray_at_hand = AdaptiveRay::new(&ray);
-            let [a, b] =
-                [0, 1].map(|number| triangles[number].intersect(&ray_at_hand).expect("through the edge"));
+            let [a, b] = [0, 1].map(|number| {
+                triangles[number].intersect(Edges::Shared, &ray_at_hand).expect("through the edge")
+            });
             assert_eq!(
                 (a.order(&b, &ray), b.order(&a, &ray)),
                 (Ordering::Equal, Ordering::Equal),
@@ -455,7 +466,8 @@ mod tests {
         // One unit in the last place apart, and far apart.
         for (near, far) in [(1.0, 1.0_f32.next_up()), (0.5, 1.0), (3.0, 1000.0)] {
             let (near, far) = (at(near), at(far));
-            let [near, far] = [&near, &far].map(|it| it.intersect(&AdaptiveRay::new(&ray)).expect("inside"));
+            let [near, far] =
+                [&near, &far].map(|it| it.intersect(Edges::Shared, &AdaptiveRay::new(&ray)).expect("inside"));
             assert_eq!((near.order(&far, &ray), far.order(&near, &ray)), (Ordering::Less, Ordering::Greater));
         }
     }

@@ -4,7 +4,7 @@
 
 use super::triangle::{AdaptiveHit, AdaptiveRay, AdaptiveTriangle};
 use glam::Vec3;
-use saarcor_model::host::Kernel;
+use saarcor_model::host::{Edges, Kernel};
 use saarcor_model::rays::{
     Candidate, Hits, Intersection, IntersectionUnit, Intervals, Packet, ProjectedTriangle, Query,
     StoredTriangle, TriangleTest, Triple, keep_nearest,
@@ -60,17 +60,18 @@ impl<const N: usize> IntersectionUnit<N> for FilteredIntersection<N> {
         query: Query,
         hits: &mut Hits<N>,
     ) {
+        let operation = (triangle.addr, triangle.edges);
         match triangle.kernel {
             Kernel::Adaptive => {
                 let corners = triangle.record.corners();
-                self.adaptive(&AdaptiveTriangle::new(&corners), triangle.addr, packet, cell, query, hits);
+                self.adaptive(&AdaptiveTriangle::new(&corners), operation, packet, cell, query, hits);
             }
             Kernel::Wald => {
                 let decoded = ProjectedTriangle::decode(&triangle.record);
                 match decoded.axis {
-                    0 => keep_nearest(Along::<0>(decoded), triangle.addr, packet, cell, query, hits),
-                    1 => keep_nearest(Along::<1>(decoded), triangle.addr, packet, cell, query, hits),
-                    _ => keep_nearest(Along::<2>(decoded), triangle.addr, packet, cell, query, hits),
+                    0 => keep_nearest(Along::<0>(decoded), operation, packet, cell, query, hits),
+                    1 => keep_nearest(Along::<1>(decoded), operation, packet, cell, query, hits),
+                    _ => keep_nearest(Along::<2>(decoded), operation, packet, cell, query, hits),
                 }
             }
             _ => self.specified.intersect(triangle, packet, cell, query, hits),
@@ -95,8 +96,8 @@ impl<const AXIS: usize> TriangleTest<f32> for Along<AXIS> {
     }
 
     #[inline(always)]
-    fn intersect(&self, ray: &Self::Ray) -> Candidate {
-        ProjectedTriangle { axis: AXIS, ..self.0 }.intersect(ray)
+    fn intersect<const OWNED: bool>(&self, ray: &Self::Ray) -> Candidate {
+        ProjectedTriangle { axis: AXIS, ..self.0 }.intersect::<OWNED>(ray)
     }
 }
 
@@ -106,7 +107,7 @@ impl<const N: usize> FilteredIntersection<N> {
     fn adaptive(
         &mut self,
         triangle: &AdaptiveTriangle,
-        addr: HostAddr,
+        (addr, edges): (HostAddr, Edges),
         packet: &Packet<N>,
         cell: &Intervals<N>,
         query: Query,
@@ -123,7 +124,7 @@ impl<const N: usize> FilteredIntersection<N> {
                 continue;
             }
             let ray = packet.ray(lane);
-            let Some(found) = triangle.intersect(&AdaptiveRay::new(&ray)) else { continue };
+            let Some(found) = triangle.intersect(edges, &AdaptiveRay::new(&ray)) else { continue };
             let nearer = !hits.is_hit(lane)
                 || match found.order(&self.nearest[lane].hit(hits.t[lane]), &ray) {
                     Ordering::Less => true,

@@ -10,6 +10,12 @@ use std::cmp::Ordering;
 /// A number of up to three factors, exactly.
 type Expansion = expansion::Expansion<THREE_FACTORS>;
 
+/// The signs of the three weights and of their sum.
+pub(super) type Signs = ([Ordering; 3], Ordering);
+
+/// The roundoff of f64.
+pub(super) const UNIT: f64 = f64::EPSILON / 2.0;
+
 /// With the corners counted from the origin: the weights of the corners where the ray's line meets
 /// the plane, times their sum.
 pub(super) struct Volumes {
@@ -43,9 +49,9 @@ impl Volumes {
         })
     }
 
-    /// Whether no weight has another sign than their sum.
-    pub(super) fn are_inside(&self) -> bool {
-        self.weights.iter().all(|weight| weight.sign() != self.sum.sign().reverse())
+    /// The signs of the weights and of their sum.
+    pub(super) fn signs(&self) -> Signs {
+        (self.weights.each_ref().map(Expansion::sign), self.sum.sign())
     }
 
     /// Distance, and weights of the second and the third corner. Numerator, divisor and quotient are
@@ -76,6 +82,31 @@ impl Volumes {
         let order = across(self, other).minus(&across(other, self)).sign();
         if self.sum.sign() == other.sum.sign() { order } else { order.reverse() }
     }
+}
+
+/// By how much the difference of two products of a component and a difference of coordinates may be off: 3u of the
+/// sum of both, with each rounded, and less than u of it for the rest.
+const SLOPE_ERROR: f64 = 4.0 * UNIT;
+
+/// The sign that the weight of 0 of an edge from `from` to `to` takes where edges are owned, if the weights' sum is positive:
+/// that of the first component of `direction × (to - from)` that is not 0 (IS-6).
+#[cold]
+pub(super) fn slope_sign(direction: Vec3, from: Vec3, to: Vec3) -> Ordering {
+    let component = |axis: usize| {
+        let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
+        let [d_p, d_q] = [p, q].map(|axis| f64::from(direction[axis]));
+        let [(to_p, from_p), (to_q, from_q)] =
+            [p, q].map(|axis| (f64::from(to[axis]), f64::from(from[axis])));
+        let (left, right) = (d_p * (to_q - from_q), d_q * (to_p - from_p));
+        // Neither product underflows: where both are 0, nothing is rounded.
+        let (difference, size) = (left - right, left.abs() + right.abs());
+        if difference.abs() > SLOPE_ERROR * size || size == 0.0 {
+            return difference.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
+        }
+        let left = Expansion::difference(to_q, from_q).scaled(d_p);
+        left.minus(&Expansion::difference(to_p, from_p).scaled(d_q)).sign()
+    };
+    (0..3).map(component).find(|sign| sign.is_ne()).unwrap_or(Ordering::Equal)
 }
 
 /// `a × b`.

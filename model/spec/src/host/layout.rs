@@ -23,7 +23,7 @@ use super::records::{MaterialRecord, ShadingRecord};
 use super::scene::{Light, Material, Scene, Texture};
 use super::texture::{TEXTURE_ALIGNMENT, TextureRecord};
 use super::tree::{Aabb, KdTree, KdTreeError};
-use super::triangle::{Kernel, TRIANGLE_BYTES};
+use super::triangle::{Edges, Kernel, TRIANGLE_BYTES};
 use crate::vm::{Bytes, HostAddr};
 use glam::{Vec2, Vec3};
 use thiserror::Error;
@@ -41,6 +41,8 @@ pub struct Registers {
     pub bounds: Aabb,
     /// The triangle test, which decides what a triangle's 36 bytes mean.
     pub kernel: Kernel,
+    /// Whose edges and vertices are that several triangles have. The image does not depend on it.
+    pub edges: Edges,
     /// Address of the first triangle.
     pub triangles: HostAddr,
     /// Address of the first triangle's shading record.
@@ -155,6 +157,7 @@ impl HostImage {
             root: HostAddr(nodes),
             bounds: tree.bounds,
             kernel,
+            edges: Edges::default(),
             triangles: HostAddr(triangles),
             shading: HostAddr(shading),
             features,

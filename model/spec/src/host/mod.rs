@@ -23,4 +23,4 @@ pub use records::{MaterialRecord, ShadingRecord};
 pub use scene::{Camera, Light, Material, Scene, TexelFormat, Texture, Triangle};
 pub use texture::{TEXTURE_ALIGNMENT, TextureRecord};
 pub use tree::{Aabb, Axis, KdTree, KdTreeError, MAX_DEPTH, Node, check_nodes};
-pub use triangle::{Kernel, Projection, TRIANGLE_BYTES, TriangleRecord};
+pub use triangle::{Edges, Kernel, Projection, TRIANGLE_BYTES, TriangleRecord};

@@ -39,6 +39,26 @@ impl Kernel {
     }
 }
 
+/// Which triangles a ray hits at an edge or a vertex that several of them have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Edges {
+    /// All of them: an edge belongs to both triangles.
+    #[default]
+    Shared,
+    /// Those that the ray hits once it is moved by (ε, ε², ε³), where ε > 0 is less than any number that
+    /// differences of coordinates make (simulation of simplicity: Edelsbrunner and Mücke 1990). The moved
+    /// ray meets no edge and no vertex, unless it is parallel to the triangle: so of the triangles
+    /// around an edge or a vertex it hits exactly one where they lie around the ray, each on a side of its own,
+    /// and an even number at a silhouette edge. The distance is that of the ray itself.
+    ///
+    /// A weight is linear in the place of the ray, so that the sign of a weight of 0 is that of the
+    /// first of its slopes along x, y and z that is not 0. That of the edge from `P` to `Q` has the
+    /// slopes `d × (Q - P)`: seen from the other triangle, which has the edge from `Q` to `P`, all of
+    /// them have the other sign. Where all are 0 the edge is parallel to the ray, and the triangle is
+    /// a miss.
+    Owned,
+}
+
 /// A triangle as the chip reads it: nine numbers from its own bytes, and two bits from the list entry
 /// that names it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,6 +6,7 @@
 //! computes in f32.
 
 mod adaptive;
+mod edges;
 mod integer;
 mod moller_trumbore;
 mod number;
@@ -24,7 +25,7 @@ pub use watertight::{ShearedRay, WatertightTriangle};
 
 use super::interval::Intervals;
 use super::ray::{Hits, Packet, Query, Ray};
-use crate::host::{Kernel, TriangleRecord};
+use crate::host::{Edges, Kernel, TriangleRecord};
 use crate::vm::HostAddr;
 use glam::Vec3;
 use std::cmp::Ordering;
@@ -36,14 +37,16 @@ pub struct StoredTriangle {
     pub addr: HostAddr,
     /// The test for which it is stored.
     pub kernel: Kernel,
+    /// Whose its edges and vertices are.
+    pub edges: Edges,
     /// What is stored of it.
     pub record: TriangleRecord,
 }
 
 impl StoredTriangle {
     /// The triangle as the driver stores it.
-    pub fn new(addr: HostAddr, kernel: Kernel, corners: &[Vec3; 3]) -> Self {
-        Self { addr, kernel, record: kernel.record(corners) }
+    pub fn new(addr: HostAddr, kernel: Kernel, edges: Edges, corners: &[Vec3; 3]) -> Self {
+        Self { addr, kernel, edges, record: kernel.record(corners) }
     }
 }
 
@@ -84,18 +87,23 @@ impl<const N: usize> IntersectionUnit<N> for Intersection<N> {
         query: Query,
         hits: &mut Hits<N>,
     ) {
-        let StoredTriangle { addr, kernel, record } = *triangle;
+        let StoredTriangle { addr, kernel, edges, record } = *triangle;
         let corners = record.corners();
+        let operation = (addr, edges);
         match kernel {
             Kernel::MollerTrumbore => {
-                keep_nearest(EdgeTriangle::new(&corners), addr, packet, cell, query, hits)
+                keep_nearest(EdgeTriangle::new(&corners), operation, packet, cell, query, hits)
             }
-            Kernel::Wald => keep_nearest(ProjectedTriangle::decode(&record), addr, packet, cell, query, hits),
-            Kernel::Plucker => keep_nearest(PluckerTriangle::new(&corners), addr, packet, cell, query, hits),
+            Kernel::Wald => {
+                keep_nearest(ProjectedTriangle::decode(&record), operation, packet, cell, query, hits)
+            }
+            Kernel::Plucker => {
+                keep_nearest(PluckerTriangle::new(&corners), operation, packet, cell, query, hits)
+            }
             Kernel::Watertight => {
-                keep_nearest(WatertightTriangle::new(&corners), addr, packet, cell, query, hits)
+                keep_nearest(WatertightTriangle::new(&corners), operation, packet, cell, query, hits)
             }
-            Kernel::Adaptive => self.exact(&corners, addr, packet, cell, query, hits),
+            Kernel::Adaptive => self.exact(&corners, operation, packet, cell, query, hits),
         }
     }
 }
@@ -105,6 +113,21 @@ impl<const N: usize> IntersectionUnit<N> for Intersection<N> {
 /// matter.
 pub fn keep_nearest<const N: usize>(
     triangle: impl TriangleTest<f32>,
+    (addr, edges): (HostAddr, Edges),
+    packet: &Packet<N>,
+    cell: &Intervals<N>,
+    query: Query,
+    hits: &mut Hits<N>,
+) {
+    match edges {
+        Edges::Shared => keep_nearest_of::<false, N>(triangle, addr, packet, cell, query, hits),
+        Edges::Owned => keep_nearest_of::<true, N>(triangle, addr, packet, cell, query, hits),
+    }
+}
+
+/// [`keep_nearest`] where edges are `OWNED`, or shared.
+fn keep_nearest_of<const OWNED: bool, const N: usize>(
+    triangle: impl TriangleTest<f32>,
     addr: HostAddr,
     packet: &Packet<N>,
     cell: &Intervals<N>,
@@ -112,7 +135,7 @@ pub fn keep_nearest<const N: usize>(
     hits: &mut Hits<N>,
 ) {
     for lane in 0..N {
-        let found = test(&triangle, packet, lane);
+        let found = test::<_, OWNED, N>(&triangle, packet, lane);
         let nearer = (found.t < hits.t[lane]) | ((found.t == hits.t[lane]) & (addr.0 < hits.triangle[lane]));
         let in_range = (found.t >= packet.t_min[lane]) & (found.t < packet.t_max[lane]);
         let keeps = cell.meets(lane) & found.inside & in_range & nearer;
@@ -126,10 +149,14 @@ pub fn keep_nearest<const N: usize>(
 }
 
 /// Where the ray in `lane` meets the triangle's plane.
-fn test<T: TriangleTest<f32>, const N: usize>(triangle: &T, packet: &Packet<N>, lane: usize) -> Candidate {
+fn test<T: TriangleTest<f32>, const OWNED: bool, const N: usize>(
+    triangle: &T,
+    packet: &Packet<N>,
+    lane: usize,
+) -> Candidate {
     let origin = [packet.origin[0][lane], packet.origin[1][lane], packet.origin[2][lane]];
     let direction = [packet.direction[0][lane], packet.direction[1][lane], packet.direction[2][lane]];
-    triangle.intersect(&T::ray(origin, direction))
+    triangle.intersect::<OWNED>(&T::ray(origin, direction))
 }
 
 impl<const N: usize> Intersection<N> {
@@ -137,7 +164,7 @@ impl<const N: usize> Intersection<N> {
     fn exact(
         &mut self,
         corners: &[Vec3; 3],
-        addr: HostAddr,
+        (addr, edges): (HostAddr, Edges),
         packet: &Packet<N>,
         cell: &Intervals<N>,
         query: Query,
@@ -150,8 +177,9 @@ impl<const N: usize> Intersection<N> {
                 continue;
             }
             let ray = packet.ray(lane);
-            let Some(found) = ExactHit::new(&ray, corners) else { continue };
-            let before = if hits.is_hit(lane) { ExactHit::new(&ray, &self.nearest[lane]) } else { None };
+            let Some(found) = ExactHit::new(&ray, corners, edges) else { continue };
+            let nearest = &self.nearest[lane];
+            let before = if hits.is_hit(lane) { ExactHit::new(&ray, nearest, Edges::Shared) } else { None };
             let nearer = before.is_none_or(|before| match found.order(&before) {
                 Ordering::Less => true,
                 Ordering::Equal => addr.0 < hits.triangle[lane],
@@ -166,10 +194,10 @@ impl<const N: usize> Intersection<N> {
 }
 
 /// Where one ray hits one triangle, if it does within its range.
-pub fn intersect(kernel: Kernel, corners: &[Vec3; 3], ray: &Ray) -> Option<Candidate> {
+pub fn intersect(kernel: Kernel, edges: Edges, corners: &[Vec3; 3], ray: &Ray) -> Option<Candidate> {
     let packet = Packet::new([Some(*ray)]);
     let mut hits = Hits::none(&packet);
-    let triangle = StoredTriangle::new(HostAddr(0), kernel, corners);
+    let triangle = StoredTriangle::new(HostAddr(0), kernel, edges, corners);
     let mut unit = Intersection::<1>::default();
     unit.intersect(&triangle, &packet, &Intervals::EVERYWHERE, Query::Closest, &mut hits);
     hits.is_hit(0).then(|| Candidate { t: hits.t[0], u: hits.u[0], v: hits.v[0], inside: true })
@@ -198,7 +226,7 @@ mod tests {
             for (u, v) in [(0.25, 0.25), (0.1, 0.7), (0.7, 0.1), (-0.2, 0.5), (0.8, 0.9)] {
                 let origin = Vec3::new(0.5, -1.0, 0.25);
                 let ray = Ray { direction: (towards(u, v) - origin) / 2.0, ..along_z(origin) };
-                let found = intersect(kernel, &CORNERS, &ray);
+                let found = intersect(kernel, Edges::Shared, &CORNERS, &ray);
                 assert_eq!(found.is_some(), u >= 0.0 && v >= 0.0 && u + v <= 1.0);
                 if let Some(found) = found {
                     assert_relative_eq!(found.t, 2.0, max_relative = 1e-5);
@@ -215,7 +243,7 @@ mod tests {
         let still = Ray { direction: Vec3::ZERO, ..along_z(Vec3::NEG_Z) };
         for kernel in Kernel::ALL {
             for ray in [in_plane, along_z(Vec3::NAN), still] {
-                assert_eq!(intersect(kernel, &UNIT, &ray), None, "{kernel:?}");
+                assert_eq!(intersect(kernel, Edges::Shared, &UNIT, &ray), None, "{kernel:?}");
             }
         }
     }
@@ -233,7 +261,7 @@ mod tests {
         for kernel in Kernel::ALL {
             let (mut unit, mut hits) = (Intersection::default(), Hits::none(&packet));
             for addr in [72, 36, 108] {
-                let triangle = StoredTriangle::new(HostAddr(addr), kernel, &UNIT);
+                let triangle = StoredTriangle::new(HostAddr(addr), kernel, Edges::Shared, &UNIT);
                 unit.intersect(&triangle, &packet, &Intervals::EVERYWHERE, Query::Closest, &mut hits);
             }
             assert_eq!((hits.t[0], hits.triangle[0]), (2.0, 36), "{kernel:?}");
@@ -246,7 +274,7 @@ mod tests {
         let packet = packet();
         for kernel in Kernel::ALL {
             let mut hits = Hits::none(&packet);
-            let triangle = StoredTriangle::new(HostAddr(36), kernel, &UNIT);
+            let triangle = StoredTriangle::new(HostAddr(36), kernel, Edges::Shared, &UNIT);
             Intersection::default().intersect(
                 &triangle,
                 &packet,

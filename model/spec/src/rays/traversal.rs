@@ -170,7 +170,8 @@ impl<const N: usize, I: IntersectionUnit<N>> Traversal<N, I> {
                 let ListEntry { triangle: addr, tag } = ListEntry::decode(entry);
                 memory.operation(Unit::Intersection, self.at.intervals.count());
                 let record = TriangleRecord::decode(memory.fetch(Unit::Intersection, addr), tag);
-                let triangle = StoredTriangle { addr, kernel: registers.kernel, record };
+                let triangle =
+                    StoredTriangle { addr, kernel: registers.kernel, edges: registers.edges, record };
                 self.intersection.intersect(&triangle, packet, &self.at.intervals, query, &mut hits);
             }
         }

@@ -45,6 +45,12 @@ impl Approximate {
     }
 }
 
+/// The sign of `a · (b × c)` where it is certain, else 0; each coordinate of these may be off by a rounding.
+#[inline]
+pub(super) fn volume_sign(a: DVec3, b: DVec3, c: DVec3) -> i32 {
+    Approximate::volume(a, b, c).sign()
+}
+
 /// Where a distance lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {

@@ -54,10 +54,14 @@ struct Volumes {
 impl Volumes {
     /// `None` where line and plane have not just one point in common, or a number is none.
     fn new(ray: &Ray, corners: &[Vec3; 3]) -> Option<Self> {
-        let origin = triple(ray.origin)?;
-        let direction = triple(ray.direction)?;
+        Self::from(&triple(ray.origin)?, ray.direction, corners)
+    }
+
+    /// Of the ray from `origin` along `direction`.
+    fn from(origin: &Triple, direction: Vec3, corners: &[Vec3; 3]) -> Option<Self> {
+        let direction = triple(direction)?;
         let [a, b, c] = corners.map(triple);
-        let (a, b, c) = (sub(&a?, &origin), sub(&b?, &origin), sub(&c?, &origin));
+        let (a, b, c) = (sub(&a?, origin), sub(&b?, origin), sub(&c?, origin));
         let b_c = cross(&b, &c);
         let weights =
             [dot(&direction, &b_c), dot(&direction, &cross(&c, &a)), dot(&direction, &cross(&a, &b))];
@@ -99,6 +103,44 @@ pub fn incidence(ray: &Ray, corners: &[Vec3; 3]) -> Incidence {
         // The weights add up to one, so that not all are zero: the third corner is the one met.
         [a, b, ..] => Contact::Vertex(3 - a - b),
     })
+}
+
+/// The sign of `direction · ((b - a) × (c - a))`; `Equal` where a number is none.
+pub(super) fn volume_sign(direction: Vec3, a: Vec3, b: Vec3, c: Vec3) -> Ordering {
+    side_of(direction, b, a, c, a).unwrap_or(Ordering::Equal)
+}
+
+/// The sign of `direction · (along × (point - origin))`; `Equal` where a number is none.
+pub(super) fn side(direction: Vec3, along: Vec3, point: Vec3, origin: Vec3) -> Ordering {
+    side_of(direction, along, Vec3::ZERO, point, origin).unwrap_or(Ordering::Equal)
+}
+
+/// The sign of `direction · ((p - from_p) × (q - from_q))`.
+fn side_of(direction: Vec3, p: Vec3, from_p: Vec3, q: Vec3, from_q: Vec3) -> Option<Ordering> {
+    let (p, q) = (sub(&triple(p)?, &triple(from_p)?), sub(&triple(q)?, &triple(from_q)?));
+    Some(dot(&triple(direction)?, &cross(&p, &q)).cmp(&Relaxed::ZERO))
+}
+
+/// Whether a triangle that `ray` hits is one that it hits where edges are owned (IS-6): once its origin is moved by
+/// (ε, ε², ε³), where ε > 0 is as small as may be.
+///
+/// A weight is linear in the origin: it grows by ε times by how much it is more at an origin that lies 1 further along
+/// x, and by ε² and ε³ times those along y and z. Where it is 0, the first of these that is not 0 decides.
+#[must_use]
+pub fn owns(ray: &Ray, corners: &[Vec3; 3]) -> bool {
+    let at = |axis: Option<usize>| {
+        let mut origin = triple(ray.origin)?;
+        if let Some(axis) = axis {
+            origin[axis] += Relaxed::ONE;
+        }
+        let volumes = Volumes::from(&origin, ray.direction, corners)?;
+        Some(std::array::from_fn::<_, 3, _>(|corner| volumes.sign(&volumes.weights[corner])))
+    };
+    let (Some(here), Some(x), Some(y), Some(z)) = (at(None), at(Some(0)), at(Some(1)), at(Some(2))) else {
+        return false;
+    };
+    let moved = |corner: usize| here[corner].then(x[corner]).then(y[corner]).then(z[corner]);
+    (0..3).all(|corner| moved(corner).is_gt())
 }
 
 /// The point where a ray's line meets a triangle's plane, whether within triangle and range or not.

@@ -3,7 +3,7 @@
 use super::case::{Case, Found};
 use crate::names::{Names, name_of};
 use saarcor_fast::adaptive::{AdaptiveHit, AdaptiveRay, AdaptiveTriangle};
-use saarcor_model::host::Kernel;
+use saarcor_model::host::{Edges, Kernel};
 use saarcor_model::rays::{
     Candidate, EdgeTriangle, PluckerTriangle, ProjectedTriangle, Ray, TriangleTest, WatertightTriangle,
 };
@@ -150,7 +150,7 @@ fn run_test<R: formats::Format, T: TriangleTest<R>>(
     let seconds = prepared.timed(repeats, |(ray, t_min, t_max), triangles| {
         let mut nearest: Option<(u32, Candidate<R>)> = None;
         for (place, triangle) in (0..).zip(triangles) {
-            let found = triangle.intersect(ray);
+            let found = triangle.intersect::<false>(ray);
             let hit = found.inside & (found.t >= *t_min) & (found.t < *t_max);
             if hit && nearest.is_none_or(|(_, nearest)| found.t < nearest.t) {
                 nearest = Some((place, found));
@@ -174,7 +174,7 @@ fn run_adaptive(cases: &[Case], repeats: u32) -> (Vec<Option<Found>>, f64) {
     let seconds = prepared.timed(repeats, |ray, triangles| {
         let mut nearest: Option<(u32, AdaptiveHit)> = None;
         for (place, triangle) in (0..).zip(triangles) {
-            let Some(hit) = triangle.intersect(ray) else { continue };
+            let Some(hit) = triangle.intersect(Edges::Shared, ray) else { continue };
             let nearer = |(_, nearest): &(u32, AdaptiveHit)| hit.order(nearest, ray.ray()) == Ordering::Less;
             if nearest.as_ref().is_none_or(nearer) {
                 nearest = Some((place, hit));

@@ -184,7 +184,12 @@ pub fn crosscheck(
 pub fn search(image: &Image, triangles: &[[Vec3; 3]], rays: &[Ray]) -> Vec<Option<Hit>> {
     let first = image.registers.triangles.0;
     let stored = (first..).step_by(TRIANGLE_BYTES as usize).zip(image.triangle_ids()).map(|(addr, id)| {
-        StoredTriangle::new(HostAddr(addr), image.registers.kernel, &triangles[id as usize])
+        StoredTriangle::new(
+            HostAddr(addr),
+            image.registers.kernel,
+            image.registers.edges,
+            &triangles[id as usize],
+        )
     });
     let stored: Vec<StoredTriangle> = stored.collect();
     let found = rays.par_chunks(SEARCH_PACKET).flat_map_iter(|rays| {

@@ -11,7 +11,7 @@ use crate::error::StudyError;
 use crate::monitor::Monitor;
 use crate::names::nearest;
 use kept::KeptWorlds;
-use saarcor_model::host::{Camera, Features, HostImage, KdTree, Kernel, LayoutError, Node, Scene};
+use saarcor_model::host::{Camera, Edges, Features, HostImage, KdTree, Kernel, LayoutError, Node, Scene};
 use saarcor_scenes::kdbuild::{self, BuildOptions};
 use saarcor_scenes::{LoadOptions, Loaded, builtin, load_obj};
 use std::path::{Path, PathBuf};
@@ -37,6 +37,8 @@ pub struct WorldOptions {
     pub tree: BuildOptions,
     /// The triangle test that the image is laid out for.
     pub kernel: Kernel,
+    /// Whose edges and vertices are that several triangles have.
+    pub edges: Edges,
     /// The last frame that will be asked for: a path without it is refused before the kd-tree is
     /// built.
     pub last_frame: Option<usize>,
@@ -58,6 +60,7 @@ impl WorldOptions {
             no_mip_maps: false,
             tree: BuildOptions::default(),
             kernel: Kernel::default(),
+            edges: Edges::default(),
             last_frame: None,
             kept: None,
         }
@@ -144,7 +147,9 @@ impl World {
         if let Some(world) = options.kept.as_ref().and_then(find) {
             check_frames(options, &world.path)?;
             world.warnings.iter().for_each(|line| monitor.warn(line));
-            return Ok((Self { seconds: [started.elapsed().as_secs_f64(), 0.0, 0.0], ..world }, None));
+            let mut world = Self { seconds: [started.elapsed().as_secs_f64(), 0.0, 0.0], ..world };
+            world.image.registers.edges = options.edges;
+            return Ok((world, None));
         }
         let (world, scene, tree) = Self::make(options, monitor)?;
         world.keep(options, now, monitor);
@@ -227,7 +232,10 @@ fn lay_out(
 ) -> Result<Image, StudyError> {
     monitor
         .during(&format!("{}: host image", options.scene), |_| HostImage::build(scene, tree, options.kernel))
-        .map(Image::from)
+        .map(|mut image| {
+            image.registers.edges = options.edges;
+            image.into()
+        })
         .map_err(|source| StudyError::Image { scene: options.scene.clone(), source })
 }
 

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use saarcor_fast::adaptive::{AdaptiveRay, AdaptiveTriangle};
-use saarcor_model::host::{Kernel, Projection};
+use saarcor_model::host::{Edges, Kernel, Projection};
 use saarcor_model::rays::{
     EdgeTriangle, Number, PluckerTriangle, ProjectedTriangle, TriangleTest, WatertightTriangle,
 };
@@ -150,7 +150,7 @@ mod fused {
                 WatertightTriangle::<f32>::ray(case.ray.origin.to_array(), case.ray.direction.to_array());
             // Corners to both sides of the plane of ray and edge.
             let across = (b - a).cross(case.ray.direction).normalize_or_zero() * (b - a).length();
-            let inside = |corners| WatertightTriangle::<f32>::new(&corners).intersect(&ray).inside;
+            let inside = |corners| WatertightTriangle::<f32>::new(&corners).intersect::<false>(&ray).inside;
             let middle = a.midpoint(b);
             // Each sees the edge from its own side: in the same order both would err alike.
             let hit = inside([a, b, middle + across]) || inside([b, a, middle - across]);
@@ -172,8 +172,8 @@ where
             let case = suite.case(11, number);
             let (origin, direction) = (case.ray.origin.to_array(), case.ray.direction.to_array());
             for corners in &case.triangles {
-                let found = T::new(corners).intersect(&T::ray(origin, direction));
-                let bound = bounded(corners).intersect(&B::ray(origin, direction)).t.error;
+                let found = T::new(corners).intersect::<false>(&T::ray(origin, direction));
+                let bound = bounded(corners).intersect::<false>(&B::ray(origin, direction)).t.error;
                 let alone = Case { triangles: vec![*corners], ..case.clone() };
                 let truth = Truth::of(&alone);
                 if let Some(truth) = truth.0.first().filter(|_| found.inside && bound.is_finite()) {
@@ -242,7 +242,7 @@ fn adaptive_stays_in_bound(cases: u64) {
             let ray = AdaptiveRay::new(&case.ray);
             for corners in &case.triangles {
                 let triangle = AdaptiveTriangle::new(corners);
-                let Some(found) = triangle.intersect(&ray) else { continue };
+                let Some(found) = triangle.intersect(Edges::Shared, &ray) else { continue };
                 let truth = Truth::of(&Case { triangles: vec![*corners], ..case.clone() });
                 let truth = truth.0.first().expect("the adaptive test is never wrong");
                 let (error, bound) =

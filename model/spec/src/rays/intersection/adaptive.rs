@@ -3,8 +3,10 @@
 //! An implementation need not compute all of it exactly: where a test in floating point with a bound of
 //! its error leaves no doubt, it may take that test's word (IS-3).
 
+use super::edges::{first_sign, slopes};
 use super::integer::Integer;
 use super::number::{Triple, cross, dot, sub};
+use crate::host::Edges;
 use crate::rays::ray::Ray;
 use glam::Vec3;
 use std::cmp::Ordering;
@@ -12,7 +14,8 @@ use std::cmp::Ordering;
 /// A hit of the adaptive test, by the volumes that ray and triangle span.
 ///
 /// * Contact: edges and vertices belong to the triangle, exactly. A ray through the edge of two
-///   triangles hits both at the same distance, and the lower address owns it (IS-2).
+///   triangles hits both at the same distance, and the one at the lower address is kept (IS-2). Where edges are
+///   owned, they belong to one of the triangles, exactly (IS-6).
 /// * Without area, or with the ray in the plane: a miss, since they have no one point in common.
 /// * NaN and infinity: a miss.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +30,7 @@ pub struct ExactHit {
 
 impl ExactHit {
     /// The hit of a ray and a triangle, if there is one within the ray's range (IS-1, IS-2).
-    pub fn new(ray: &Ray, corners: &[Vec3; 3]) -> Option<Self> {
+    pub fn new(ray: &Ray, corners: &[Vec3; 3], edges: Edges) -> Option<Self> {
         let finite = ray.origin.is_finite() && ray.direction.is_finite();
         if !finite || !corners.iter().all(|corner| corner.is_finite()) {
             return None;
@@ -37,13 +40,19 @@ impl ExactHit {
         let mut weights =
             [dot(direction, cross(b, c)), dot(direction, cross(c, a)), dot(direction, cross(a, b))];
         let mut height = dot(a, cross(b, c));
+        let mut slopes = slopes(direction, [sub(c, b), sub(a, c), sub(b, a)]);
         // Seen from the other side, all volumes have the other sign.
         if (weights[0] + weights[1] + weights[2]).sign() == Ordering::Less {
             (weights, height) = (weights.map(|weight| -weight), -height);
+            slopes = slopes.map(|slope| slope.map(|number| -number));
         }
         let hit = Self { weights, sum: weights[0] + weights[1] + weights[2], height };
         let meets_plane = hit.sum.sign() == Ordering::Greater;
-        let inside = hit.weights.iter().all(|weight| weight.sign() != Ordering::Less);
+        let inside = hit.weights.iter().zip(slopes).all(|(weight, slope)| match weight.sign() {
+            Ordering::Greater => true,
+            Ordering::Equal => edges == Edges::Shared || first_sign(slope.map(|number| number.sign())) > 0,
+            Ordering::Less => false,
+        });
         let starts = matches!(hit.compare_distance(ray.t_min), Some(Ordering::Equal | Ordering::Greater));
         let ends = hit.compare_distance(ray.t_max) == Some(Ordering::Less);
         (meets_plane && inside && starts && ends).then_some(hit)
@@ -95,12 +104,12 @@ mod tests {
         let ray =
             |t_max| Ray { origin: Vec3::splat(-large), direction: Vec3::splat(large), t_min: 0.0, t_max };
         let corners = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis * large);
-        let hit = ExactHit::new(&ray(2.0), &corners).expect("through the middle");
+        let hit = ExactHit::new(&ray(2.0), &corners, Edges::Shared).expect("through the middle");
         assert_eq!(hit.point()[0], 4.0 / 3.0);
         let behind = corners.map(|corner| corner + Vec3::splat(f32::from_bits(1)));
-        let other = ExactHit::new(&ray(2.0), &behind).expect("through the middle");
+        let other = ExactHit::new(&ray(2.0), &behind, Edges::Shared).expect("through the middle");
         assert_eq!((hit.order(&other), other.order(&hit)), (Ordering::Less, Ordering::Greater));
         assert_eq!(hit.order(&hit), Ordering::Equal);
-        assert!(ExactHit::new(&ray(1.333_333_3), &corners).is_none());
+        assert!(ExactHit::new(&ray(1.333_333_3), &corners, Edges::Shared).is_none());
     }
 }

@@ -1,5 +1,6 @@
 //! The test of Möller and Trumbore (1997).
 
+use super::edges::slopes;
 use super::number::{Number, Triple, cross, dot, sub};
 use super::triangle_test::{Candidate, TriangleTest};
 use glam::Vec3;
@@ -10,7 +11,8 @@ use glam::Vec3;
 ///
 /// * Contact: an edge or a vertex belongs to the triangle where u ≥ 0, v ≥ 0 and u + v ≤ 1 as
 ///   computed. Each triangle computes them from its own edges, so that a ray may slip between two
-///   that share an edge, or hit both.
+///   that share an edge, or hit both. Where edges are owned, a weight that is computed to be 0 has the sign
+///   of its slopes as computed (IS-6).
 /// * Without area, or with the ray in the plane: the divisor is 0 or rounding noise, and u and v
 ///   are NaN, infinite or noise; noise may be a false hit.
 /// * NaN: a miss. Infinity makes NaN of infinity times zero, or a weight beyond 1.
@@ -39,16 +41,24 @@ impl<R: Number> TriangleTest<R> for EdgeTriangle<R> {
         [origin.map(R::from_f32), direction.map(R::from_f32)]
     }
 
-    fn intersect(&self, &[origin, direction]: &Self::Ray) -> Candidate<R> {
+    fn intersect<const OWNED: bool>(&self, &[origin, direction]: &Self::Ray) -> Candidate<R> {
         let [to_b, to_c] = self.edges;
         let p = cross(direction, to_c);
         let reciprocal = R::ONE / dot(to_b, p);
         let from_a = sub(origin, self.corner);
         let q = cross(from_a, to_b);
-        Candidate::within(
+        let found = Candidate::within(
             dot(to_c, q) * reciprocal,
             dot(from_a, p) * reciprocal,
             dot(direction, q) * reciprocal,
-        )
+        );
+        if !OWNED {
+            return found;
+        }
+        found.owned(|| {
+            // The divisor is the sum of the weights but for the sign.
+            let edges = [sub(to_b, to_c), to_c, to_b.map(|x| -x)];
+            slopes(direction, edges).map(|slope| slope.map(|x| x * reciprocal))
+        })
     }
 }

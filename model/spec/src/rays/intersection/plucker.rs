@@ -1,5 +1,6 @@
 //! The test by Plücker coordinates.
 
+use super::edges::{moved, slopes};
 use super::number::{Number, Triple, add, cross, dot, sub};
 use super::triangle_test::{Candidate, TriangleTest, same_sign};
 use glam::Vec3;
@@ -12,7 +13,9 @@ use glam::Vec3;
 /// * Contact: where none of the three sides has another sign than their sum, so that an edge or a
 ///   vertex belongs to the triangle. Two triangles that share an edge compute the same side for it
 ///   but for the sign, since `(b - a) × (a + b)` only changes sign if a and b change places: no
-///   ray slips between them there. At a vertex the sides of its edges are rounded apart.
+///   ray slips between them there. At a vertex the sides of its edges are rounded apart. Where edges are
+///   owned, a side that is computed to be 0 has the sign of its slopes as computed (IS-6), which change
+///   sign with it.
 /// * Without area or with the ray in the plane: the sum is 0, a miss, or rounding noise, which may
 ///   be a false hit.
 /// * NaN, or an infinite sum, as by overflow: a miss.
@@ -38,7 +41,7 @@ impl<R: Number> TriangleTest<R> for PluckerTriangle<R> {
         [origin.map(R::from_f32), direction.map(R::from_f32)]
     }
 
-    fn intersect(&self, &[origin, direction]: &Self::Ray) -> Candidate<R> {
+    fn intersect<const OWNED: bool>(&self, &[origin, direction]: &Self::Ray) -> Candidate<R> {
         let [a, b, c] = self.corners.map(|corner| sub(corner, origin));
         let (a_c, b_a, c_b) = (sub(c, a), sub(a, b), sub(b, c));
         // Twice the weights of the corners times their sum: each is the side of the opposite edge.
@@ -51,11 +54,19 @@ impl<R: Number> TriangleTest<R> for PluckerTriangle<R> {
         let normal = cross(c_b, b_a);
         let height = dot(a, normal);
         let across = dot(normal, direction);
+        let mut signs = weights.map(|w| i8::from(w > R::ZERO) - i8::from(w < R::ZERO));
+        if OWNED & signs.contains(&0) {
+            let slopes = slopes(direction, [c_b, a_c, b_a].map(|edge| edge.map(|x| -x)));
+            signs = std::array::from_fn(|corner| match signs[corner] {
+                0 => moved(slopes[corner]),
+                sign => sign,
+            });
+        }
         Candidate {
             t: height / across,
             u: weights[1] / sum,
             v: weights[2] / sum,
-            inside: same_sign(weights.map(|w| i8::from(w > R::ZERO) - i8::from(w < R::ZERO)), sum),
+            inside: same_sign(signs, sum),
         }
     }
 }

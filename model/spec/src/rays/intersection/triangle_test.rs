@@ -1,5 +1,6 @@
 //! What the triangle tests have in common.
 
+use super::edges::moved;
 use super::number::{Number, Triple};
 use glam::Vec3;
 
@@ -20,6 +21,17 @@ impl<R: Number> Candidate<R> {
     /// Inside by the weights. NaN and infinity, as with a ray in the triangle's plane, are not.
     pub(super) fn within(t: R, u: R, v: R) -> Self {
         Self { t, u, v, inside: (u >= R::ZERO) & (v >= R::ZERO) & (u + v <= R::ONE) }
+    }
+
+    /// The same where edges are owned, if the weights of the three corners, where they are 0, grow by
+    /// `slopes` for a unit along each axis by which the ray moves (IS-6).
+    pub(super) fn owned(mut self, slopes: impl FnOnce() -> [Triple<R>; 3]) -> Self {
+        let on_edge = [self.u + self.v == R::ONE, self.u == R::ZERO, self.v == R::ZERO];
+        if self.inside & on_edge.contains(&true) {
+            let slopes = slopes();
+            self.inside = (0..3).all(|corner| !on_edge[corner] || moved(slopes[corner]) > 0);
+        }
+        self
     }
 }
 
@@ -42,6 +54,7 @@ pub trait TriangleTest<R: Number>: Copy {
     /// From origin and direction.
     fn ray(origin: Triple<f32>, direction: Triple<f32>) -> Self::Ray;
 
-    /// Where the ray meets the triangle's plane.
-    fn intersect(&self, ray: &Self::Ray) -> Candidate<R>;
+    /// Where the ray meets the triangle's plane, and whether within the triangle where edges are `OWNED`,
+    /// or shared (IS-6).
+    fn intersect<const OWNED: bool>(&self, ray: &Self::Ray) -> Candidate<R>;
 }

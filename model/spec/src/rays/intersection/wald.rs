@@ -1,6 +1,6 @@
 //! Wald's projection test (Wald 2004, §7.1).
 
-use super::number::{Number, Triple};
+use super::number::{Number, Triple, add};
 use super::triangle_test::{Candidate, TriangleTest};
 use crate::host::{Projection, TriangleRecord};
 use glam::Vec3;
@@ -10,6 +10,7 @@ use glam::Vec3;
 ///
 /// * Contact: as in Möller and Trumbore's test, by the weights as computed; the words of
 ///   two triangles that share an edge are rounded apart from each other.
+/// * Owned edges: a weight that is computed to be 0 has the sign of its slopes (IS-6) as computed from the words.
 /// * Without area: the words are NaN or infinite, and every ray misses.
 /// * A ray in the plane: t and the weights are NaN, infinite or noise.
 /// * NaN and infinity: a miss, since both weights are sums with every coordinate.
@@ -48,12 +49,26 @@ impl<R: Number> TriangleTest<R> for ProjectedTriangle<R> {
     }
 
     /// Where the ray meets the plane, then the weights of that point in projection.
-    fn intersect(&self, [origin, direction]: &Self::Ray) -> Candidate<R> {
+    fn intersect<const OWNED: bool>(&self, [origin, direction]: &Self::Ray) -> Candidate<R> {
         let (k, p, q) = (self.axis, (self.axis + 1) % 3, (self.axis + 2) % 3);
         let w = &self.words;
         let across = direction[k] + w[0] * direction[p] + w[1] * direction[q];
         let t = (w[2] - origin[k] - w[0] * origin[p] - w[1] * origin[q]) / across;
         let (x, y) = (origin[p] + t * direction[p], origin[q] + t * direction[q]);
-        Candidate::within(t, w[3] * x + w[4] * y + w[5], w[6] * x + w[7] * y + w[8])
+        let found = Candidate::within(t, w[3] * x + w[4] * y + w[5], w[6] * x + w[7] * y + w[8]);
+        if !OWNED {
+            return found;
+        }
+        found.owned(|| {
+            // The ray's own move, and that along the ray to the plane again.
+            let slopes = |w_x: R, w_y: R| {
+                let along = (w_x * direction[p] + w_y * direction[q]) / across;
+                let mut slopes = [-along; 3];
+                (slopes[p], slopes[q]) = (w_x - w[0] * along, w_y - w[1] * along);
+                slopes
+            };
+            let (u, v) = (slopes(w[3], w[4]), slopes(w[6], w[7]));
+            [add(u, v).map(|x| -x), u, v]
+        })
     }
 }

@@ -1,5 +1,6 @@
 //! The watertight test of Woop, Benthin and Wald (2013).
 
+use super::edges::first_sign;
 use super::number::{Number, Triple, sub};
 use super::triangle_test::{Candidate, TriangleTest, same_sign};
 use crate::host::Axis;
@@ -15,7 +16,9 @@ use std::cmp::Ordering;
 ///   the order of the two products that an edge function is the difference of, so that the
 ///   difference has the true sign or is 0, and then the products decide, in a format that holds
 ///   them. So no ray slips between triangles that share edges and vertices: watertight, of the
-///   corners as sheared.
+///   corners as sheared. Where edges are owned, a side of 0 is decided as if the ray were moved along the
+///   first axis across it by ε, and along the second by ε² (IS-6), which takes comparisons of
+///   sheared coordinates alone: exact, so that around an edge or a vertex exactly one triangle is hit.
 /// * Without area or with the ray in the plane: the sum of the edge functions is 0, a miss; where
 ///   shearing moved the corners apart, it may be a false hit.
 /// * A direction of zero, NaN, and a sum that is infinite, as by overflow: a miss.
@@ -65,14 +68,18 @@ impl<R: Number> TriangleTest<R> for WatertightTriangle<R> {
         ShearedRay { origin: origin.map(R::from_f32), axis, shear: [x / z, y / z, R::ONE / z] }
     }
 
-    fn intersect(&self, ray: &Self::Ray) -> Candidate<R> {
+    fn intersect<const OWNED: bool>(&self, ray: &Self::Ray) -> Candidate<R> {
         let [shear_x, shear_y, scale] = ray.shear;
         let [a, b, c] = self.corners.map(|corner| {
             let [x, y, z] = permuted(sub(corner, ray.origin), ray.axis);
             [x - shear_x * z, y - shear_y * z, scale * z]
         });
         let weights = [edge(c, b), edge(a, c), edge(b, a)];
-        let signs = [side(weights[0], c, b), side(weights[1], a, c), side(weights[2], b, a)];
+        let signs = [
+            side::<R, OWNED>(weights[0], c, b),
+            side::<R, OWNED>(weights[1], a, c),
+            side::<R, OWNED>(weights[2], b, a),
+        ];
         let sum = weights[0] + weights[1] + weights[2];
         let height = weights[0] * a[2] + weights[1] * b[2] + weights[2] * c[2];
         let reciprocal = R::ONE / sum;
@@ -92,8 +99,9 @@ fn edge<R: Number>(p: Triple<R>, q: Triple<R>) -> R {
     p[0] * q[1] - p[1] * q[0]
 }
 
-/// The exact sign of the edge function of `p` and `q`, of which `rounded` is what it was rounded to.
-fn side<R: Number>(rounded: R, p: Triple<R>, q: Triple<R>) -> i8 {
+/// The exact sign of the edge function of `p` and `q`, of which `rounded` is what it was rounded to; of 0, where
+/// edges are `OWNED`, that of its slopes along the two axes.
+fn side<R: Number, const OWNED: bool>(rounded: R, p: Triple<R>, q: Triple<R>) -> i8 {
     if rounded > R::ZERO {
         1
     } else if rounded < R::ZERO {
@@ -101,6 +109,10 @@ fn side<R: Number>(rounded: R, p: Triple<R>, q: Triple<R>) -> i8 {
     } else {
         match R::product_order(p[0], q[1], p[1], q[0]) {
             Ordering::Greater => 1,
+            Ordering::Equal if OWNED => {
+                let order = |a: R, b: R| a.partial_cmp(&b).unwrap_or(Ordering::Equal);
+                first_sign([order(p[1], q[1]), order(q[0], p[0]), Ordering::Equal])
+            }
             Ordering::Equal => 0,
             Ordering::Less => -1,
         }

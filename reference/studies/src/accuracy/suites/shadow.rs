@@ -4,7 +4,7 @@ use super::{Suite, at, point, ray, towards, triangle};
 use crate::accuracy::case::Case;
 use glam::Vec3;
 use rayon::prelude::*;
-use saarcor_model::host::Kernel;
+use saarcor_model::host::{Edges, Kernel};
 use saarcor_model::rays::{Ray, intersect, ray_from_surface};
 use saarcor_oracles::exact::judge;
 use saarcor_scenes::Random;
@@ -26,7 +26,7 @@ impl Start {
         let (u, v) = (random.between(0.01, 0.49), random.between(0.01, 0.49));
         let eye = point(random);
         let seen = towards(random, eye, at(&floor, u, v));
-        let t = intersect(Kernel::default(), &floor, &seen).map_or(1.0, |hit| hit.t);
+        let t = intersect(Kernel::default(), Edges::Shared, &floor, &seen).map_or(1.0, |hit| hit.t);
         let point = seen.origin + seen.direction * t;
         let normal = (floor[1] - floor[0]).cross(floor[2] - floor[0]).normalize_or(Vec3::Z);
         // To the side that was seen, at angles down to a few degrees.

@@ -93,8 +93,16 @@ impl Fields<'_> {
             seconds: _,
         } = world;
         let Image { bytes: _, registers, region_bytes, mip_map_bytes, ids: _ } = image;
-        let Registers { root, bounds, kernel: _, triangles: first, shading, features: needs, lights } =
-            registers;
+        let Registers {
+            root,
+            bounds,
+            kernel: _,
+            edges: _,
+            triangles: first,
+            shading,
+            features: needs,
+            lights,
+        } = registers;
         let TreeFacts { nodes, leaves, refs } = tree;
         self.list(path, BLANK_CAMERA, |fields, Camera { eye, dir, up, fov_y_deg }| {
             [eye, dir, up].into_iter().try_for_each(|vector| fields.vector(vector))?;
