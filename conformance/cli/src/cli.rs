@@ -112,7 +112,7 @@ impl Cli {
                 Verb::Trace(args) => args.run(&progress),
                 Verb::Prove(args) => return args.run(&progress),
                 Verb::Crosscheck(args) => return args.run(&progress),
-                Verb::Accuracy(args) => args.run(&progress),
+                Verb::Accuracy(args) => return args.run(&progress),
                 Verb::Conform(args) => return args.run(&progress),
                 Verb::Reproduce(args) => args.run(&progress),
                 Verb::Cache(args) => return args.run(&progress),

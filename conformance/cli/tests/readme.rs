@@ -63,6 +63,7 @@ const COMMANDS: &[(&str, How)] = &[
         Here("--resolution 64x48", 0),
     ),
     ("saarcor accuracy --quick", Here("--suite vertex", 0)),
+    ("saarcor accuracy --suite exactly-one --edges owned --quick", Here("--kernel adaptive", 0)),
     // It makes an environment in Python from the network.
     (
         "saarcor crosscheck path/to/scene.obj",

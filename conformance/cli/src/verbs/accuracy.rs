@@ -5,19 +5,24 @@ use crate::args::{SceneName, choice};
 use crate::front::{svg, table};
 use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
+use crate::status::Status;
 use crate::table::{Column, Table};
 use anyhow::{Context, Result, ensure};
-use saarcor_model::host::Kernel;
+use saarcor_model::host::{Edges, Kernel};
 use saarcor_studies::StudyError;
 use saarcor_studies::accuracy::case::Found;
 use saarcor_studies::accuracy::contest::{Contestant, Format};
+use saarcor_studies::accuracy::exactly_one::{
+    Counts, ExactlyOneOptions, ExactlyOneRow, Place, Surface, SurfaceSuite, exactly_one,
+};
 use saarcor_studies::accuracy::front::standings;
 use saarcor_studies::accuracy::measure::{AccuracyRow, Fault, MeasureOptions, measure};
 use saarcor_studies::accuracy::replay::{self, Record, read, worst};
 use saarcor_studies::accuracy::scene::{self, Budget};
 use saarcor_studies::accuracy::suites::{SUITES, Suite, offset_faults};
-use saarcor_studies::names::{KERNELS, kernel_name};
-use saarcor_studies::world::{World, WorldOptions};
+use saarcor_studies::monitor::Monitor as _;
+use saarcor_studies::names::{EDGES, KERNELS, Names, kernel_name, name_of};
+use saarcor_studies::world::{World, WorldOptions, open_scene};
 use std::path::PathBuf;
 
 /// Cases of a suite, in full and for a quick look.
@@ -40,7 +45,7 @@ pub struct Args {
     #[arg(long, value_parser = choice(Format::NAMES))]
     format: Vec<Format>,
     /// Only this suite of cases; several may be named
-    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(SUITES.map(|suite| suite.name)))]
+    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(suite_names()))]
     suite: Vec<String>,
     /// Cases a suite
     #[arg(long, value_name = "N", default_value_t = FULL)]
@@ -58,13 +63,17 @@ pub struct Args {
     /// Cases that '--out' wrote, to be looked at one by one
     #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["suite", "cases", "quick", "out", "json"])]
     replay: Option<PathBuf>,
-    /// Instead of the suites, primary rays of this scene: what does it need?
-    #[arg(long, value_name = "SCENE", requires = "budget", conflicts_with_all = ["suite", "out", "replay"])]
+    /// Instead of the suites, primary rays of this scene: what does it need? With a suite of edges and vertices, those of this
+    /// scene
+    #[arg(long, value_name = "SCENE", conflicts_with_all = ["out", "replay"])]
     scene: Option<SceneName>,
     /// Error that is allowed on the scene's rays: wrong answers in a million, and ulps that 99.9 % of
     /// the distances may be off
-    #[arg(long, value_name = "WRONG[,ULP]", requires = "scene")]
+    #[arg(long, value_name = "WRONG[,ULP]", requires = "scene", conflicts_with = "suite")]
     budget: Option<Budget>,
+    /// Whose an edge or a vertex is that several triangles have; only the suites of edges and vertices ask for it
+    #[arg(long, value_parser = choice(EDGES), default_value = name_of(EDGES, &Edges::Shared))]
+    edges: Edges,
     #[command(flatten)]
     simulator: SimulatorArgs,
     /// Prints the rows as lines of JSON
@@ -74,17 +83,83 @@ pub struct Args {
 
 impl Args {
     /// Measures and prints what was asked for.
-    pub fn run(self, progress: &Progress) -> Result<()> {
+    ///
+    /// # Errors
+    /// What is wrong with the arguments or the files that they name.
+    pub fn run(self, progress: &Progress) -> Result<Status> {
         if self.simulator.simulator {
-            return self.simulator.run(self.json, progress);
+            return self.simulator.run(self.json, progress).map(|()| Status::Holds);
         }
         let contestants = self.contestants()?;
-        if let Some(file) = &self.replay {
-            return replay_file(file, &contestants);
-        }
         let cases = if self.quick { QUICK } else { self.cases };
-        if let Some((scene, budget)) = self.scene.as_ref().zip(self.budget) {
-            return self.needs(scene, budget, &contestants, cases, progress);
+        let of_surfaces = |name: &String| {
+            SurfaceSuite::NAMES.iter().find(|(known, _)| known == name).map(|&(_, suite)| suite)
+        };
+        let surfaces: Vec<SurfaceSuite> = self.suite.iter().filter_map(of_surfaces).collect();
+        if !surfaces.is_empty() {
+            ensure!(
+                surfaces.len() == self.suite.len() && self.out.is_none() && self.replay.is_none(),
+                "the suites of edges and vertices ({}) have rows of their own: ask for them alone, without --out and --replay",
+                name_list(SurfaceSuite::NAMES)
+            );
+            return self.surfaces(&surfaces, &contestants, cases, progress);
+        }
+        ensure!(
+            self.edges == Edges::Shared,
+            "--edges owned is judged by the suites of edges and vertices: name one with --suite ({})",
+            name_list(SurfaceSuite::NAMES)
+        );
+        ensure!(
+            self.scene.is_none() || self.suite.is_empty(),
+            "a suite has cases of its own: leave out --scene, or ask for one of {}",
+            name_list(SurfaceSuite::NAMES)
+        );
+        self.hard_cases(&contestants, cases, progress).map(|()| Status::Holds)
+    }
+
+    /// Rays at edges and vertices of surfaces. It does not hold if an exact test is wrong where edges are owned.
+    fn surfaces(
+        &self,
+        suites: &[SurfaceSuite],
+        contestants: &[Contestant],
+        cases: u64,
+        progress: &Progress,
+    ) -> Result<Status> {
+        let options = ExactlyOneOptions { seed: self.seed, cases, edges: self.edges };
+        let scene = self.scene.as_ref().map(|scene| surface_of(scene, progress)).transpose()?;
+        let mut out = Stdout::new();
+        let mut status = Status::Holds;
+        for &suite in suites {
+            let name = name_of(SurfaceSuite::NAMES, &suite);
+            let places = scene.clone().map_or_else(|| suite.places(), |scene| vec![scene]);
+            let rows = progress.during(&format!("{name}: {cases} rays"), |report| {
+                exactly_one(suite, &places, contestants, options, report)
+            });
+            if self.json {
+                rows.iter().try_for_each(|row| json_line(&mut out, row))?;
+            } else {
+                out.line(format_args!("{name}: {}", suite.idea()))?;
+                out.line(hits_table(&rows))?;
+                out.line("")?;
+            }
+            out.flush()?;
+            let exact = |row: &&ExactlyOneRow| row.kernel == kernel_name(Kernel::Adaptive);
+            if self.edges == Edges::Owned && rows.iter().filter(exact).any(|row| row.counts.wrong() > 0) {
+                status = Status::Disproved;
+            }
+        }
+        out.finish().map(|()| status)
+    }
+
+    /// The suites of hard cases, their replay, or the rays of a scene.
+    fn hard_cases(self, contestants: &[Contestant], cases: u64, progress: &Progress) -> Result<()> {
+        if let Some(file) = &self.replay {
+            return replay_file(file, contestants);
+        }
+        if let Some(scene) = &self.scene {
+            let budget =
+                self.budget.context("--scene needs the error that is allowed: --budget WRONG[,ULP]")?;
+            return self.needs(scene, budget, contestants, cases, progress);
         }
         let files = self.out.as_deref().map(Files::check).transpose()?;
         let extent = MeasureOptions { seed: self.seed, cases, repeats: REPEATS };
@@ -93,7 +168,7 @@ impl Args {
         let mut out = Stdout::new();
         for suite in &suites {
             let suite_rows = progress.during(&format!("{}: {cases} cases", suite.name), |report| {
-                measure(suite, &contestants, extent, report)
+                measure(suite, contestants, extent, report)
             });
             if self.json {
                 suite_rows.iter().try_for_each(|row| json_line(&mut out, row))?;
@@ -187,6 +262,49 @@ impl Args {
     fn asks_for(&self, suite: &Suite) -> bool {
         self.suite.is_empty() || self.suite.iter().any(|name| name == suite.name)
     }
+}
+
+/// The suites of hard cases, and those of edges and vertices.
+fn suite_names() -> Vec<&'static str> {
+    let of_surfaces = SurfaceSuite::NAMES.iter().map(|(name, _)| *name);
+    SUITES.iter().map(|suite| suite.name).chain(of_surfaces).collect()
+}
+
+/// Names, with commas between them.
+fn name_list<T>(names: Names<T>) -> String {
+    names.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
+}
+
+/// The triangles of a scene.
+fn surface_of(scene: &SceneName, progress: &Progress) -> Result<Place> {
+    let loaded = open_scene(&scene.world()?, progress)?;
+    let triangles: Vec<_> = loaded.triangles.iter().map(|triangle| triangle.corners).collect();
+    let place = Place::new(&scene.to_string(), &triangles);
+    let Surface { patches, open, .. } = &place.surface;
+    ensure!(!patches.is_empty(), "{scene}: no edge and no vertex has triangles all around, wound alike");
+    if *open > 0 {
+        progress.warn(&format!(
+            "{scene}: {open} edges and vertices have a boundary, triangles wound against one another, or more than two \
+             triangles at an edge; the other {} are aimed at",
+            patches.len()
+        ));
+    }
+    Ok(place)
+}
+
+/// The rows of a suite of edges and vertices.
+fn hits_table(rows: &[ExactlyOneRow]) -> Table {
+    let numbers =
+        ["rays", "none", "two", "silhouettes", "wrong there", "undecided", "ns a ray"].map(Column::number);
+    let mut table = Table::new(["kernel", "format", "edges"].map(Column::text).into_iter().chain(numbers));
+    for row in rows {
+        let Counts { cases, none, two, silhouette, silhouette_wrong } = row.counts;
+        let numbers =
+            [cases, none, two, silhouette, silhouette_wrong, row.undecided].map(|number| number.to_string());
+        let names = [row.kernel, row.format, row.edges].map(str::to_owned);
+        table.row(names.into_iter().chain(numbers).chain([format!("{:.0}", row.ns_per_ray)]));
+    }
+    table
 }
 
 /// The rows of a suite.

@@ -6,6 +6,7 @@
 
 pub mod case;
 pub mod contest;
+pub mod exactly_one;
 pub mod front;
 pub mod measure;
 pub mod replay;
