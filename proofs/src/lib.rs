@@ -18,6 +18,8 @@
 #![cfg_attr(kani, allow(unused_variables))]
 #![allow(clippy::needless_range_loop, reason = "Kani is fastest with loops over constant indices")]
 
+#[cfg(not(kani))]
+pub mod certificates;
 mod draw;
 #[cfg(not(kani))]
 pub mod engines;

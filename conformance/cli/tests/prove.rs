@@ -12,6 +12,17 @@ fn lines(out: &str) -> Vec<Value> {
 #[test]
 fn lists_theorems_without_judging_them() {
     let listed = lines(&stdout_of(&["prove", "--list", "--json"]));
+    let (certificates, listed): (Vec<_>, Vec<_>) =
+        listed.into_iter().partition(|line| line["engine"] == "gappa");
+    assert!(certificates.len() >= 12);
+    for certificate in &certificates {
+        let verdict = certificate["verdict"].as_str().expect("text");
+        assert!(["proved", "not run"].contains(&verdict), "{certificate}");
+        for key in ["name", "requirement", "says", "file", "step", "slack"] {
+            assert!(certificate[key].is_string(), "{key} of {certificate}");
+        }
+        assert!(certificate["constant"].as_f64() >= certificate["least"].as_f64(), "{certificate}");
+    }
     assert!(listed.len() >= 110);
     for theorem in &listed {
         let keys: Vec<_> = theorem.as_object().expect("an object").keys().collect();
@@ -40,6 +51,15 @@ fn lists_theorems_without_judging_them() {
     let hash = listed.iter().filter(|theorem| theorem["unit"] == "vm::hash").count();
     assert_eq!(text.lines().count(), hash, "a unit by its name");
     assert!(text.contains("VM-3  The hash gives a set"));
+}
+
+#[test]
+fn certificates_are_not_run_without_gappa() {
+    let args = ["prove", "--engine", "gappa", "--json"];
+    let output = saarcor(&args).env("PATH", "").output().expect("the binary starts");
+    let lines = lines(&String::from_utf8_lossy(&output.stdout));
+    assert!(lines.len() >= 12 && lines.iter().all(|line| line["verdict"] == "not run"));
+    assert_eq!(output.status.code(), Some(3));
 }
 
 #[test]

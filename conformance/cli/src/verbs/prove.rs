@@ -10,9 +10,11 @@ use clap::ValueEnum as _;
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
 use rayon::prelude::*;
+use saarcor_proofs::certificates::{Certificate, certificates};
 use saarcor_proofs::evidence::{Evidence, Shown, State};
 use saarcor_proofs::theorem::Theorem;
 use saarcor_studies::names::nearest;
+use serde::Serialize;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The theorems of the model, and what each engine shows of them
@@ -20,8 +22,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub struct Args {
     /// A theorem, or a unit of the model [default: all]
     name: Option<String>,
-    /// What judges: the engines without need of Kani by default
-    #[arg(long, value_parser = PossibleValuesParser::new(["kani", "exhaustive", "random", "all"]).map(engines))]
+    /// What judges: the engines without need of Kani by default. Gappa judges the certificates of rounding errors alone
+    #[arg(long, value_parser = PossibleValuesParser::new(["kani", "exhaustive", "random", "gappa", "all"]).map(engines))]
     engine: Option<Engines>,
     /// Cases a theorem for the random engine
     #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..))]
@@ -48,11 +50,19 @@ pub struct Args {
 
 /// The engines asked for by one name.
 #[derive(Clone, Debug)]
-struct Engines(Vec<Engine>);
+struct Engines {
+    /// Of theorems.
+    of_theorems: Vec<Engine>,
+    /// Whether certificates are judged, too.
+    gappa: bool,
+}
 
 fn engines(name: String) -> Engines {
-    let all = || Engine::value_variants().to_vec();
-    Engines(Engine::from_str(&name, false).map_or_else(|_| all(), |engine| vec![engine]))
+    match (&*name, Engine::from_str(&name, false)) {
+        ("gappa", _) => Engines { of_theorems: Vec::new(), gappa: true },
+        (_, Ok(engine)) => Engines { of_theorems: vec![engine], gappa: false },
+        _ => Engines { of_theorems: Engine::value_variants().to_vec(), gappa: true },
+    }
 }
 
 impl Args {
@@ -79,11 +89,14 @@ impl Args {
                     out.line(format_args!("{}", listed.text()))?;
                 }
             }
+            for certificate in self.certificates() {
+                certify(certificate, self.json, &mut out)?;
+            }
             return out.finish().map(|()| Status::Holds);
         }
 
-        let without_kani = || Engines(vec![Engine::Exhaustive, Engine::Random]);
-        let Engines(engines) = self.engine.clone().unwrap_or_else(without_kani);
+        let without_kani = || Engines { of_theorems: vec![Engine::Exhaustive, Engine::Random], gappa: false };
+        let Engines { of_theorems: engines, gappa } = self.engine.clone().unwrap_or_else(without_kani);
         if self.record && !cfg!(debug_assertions) && engines.iter().any(|engine| *engine != Engine::Kani) {
             bail!(
                 "this build does not check for overflow, so what the engines exhaustive and random show by it is less than \
@@ -118,6 +131,13 @@ impl Args {
             out.flush()?;
             all.extend(results);
         }
+        // Where a certificate alone is named, Gappa is what can judge it.
+        let gappa = gappa || theorems.is_empty();
+        let mut certified = [0; 3];
+        for certificate in self.certificates().filter(|_| gappa) {
+            let verdict = certify(certificate, self.json, &mut out)?;
+            certified[verdict as usize] += 1;
+        }
         out.finish()?;
 
         let count = |verdict| all.iter().filter(|judged| judged.verdict == verdict).count();
@@ -130,7 +150,14 @@ impl Args {
             count(EngineVerdict::Held),
             if engines.contains(&Engine::Kani) { "" } else { "; Kani not asked for (--engine kani)" },
         ));
-        Ok(match (disproved, absent) {
+        let [certified, refuted, not_run] = certified;
+        if gappa {
+            progress.say(format_args!(
+                "{} certificates: {certified} proved, {refuted} disproved, {not_run} not run",
+                certified + refuted + not_run
+            ));
+        }
+        Ok(match (disproved + refuted, absent + not_run) {
             (0, 0) => Status::Holds,
             (0, _) => Status::Incomplete,
             _ => Status::Disproved,
@@ -181,11 +208,19 @@ impl Args {
         Ok(results)
     }
 
+    /// The certificates asked for by their names or their requirements: all, without a name.
+    fn certificates(&self) -> impl Iterator<Item = &'static Certificate> {
+        let name = self.name.as_deref();
+        let asked =
+            move |it: &&Certificate| name.is_none_or(|name| it.name == name || it.requirement == name);
+        certificates().iter().filter(asked)
+    }
+
     fn theorems(&self) -> Result<Vec<&'static Theorem>> {
         let all: Vec<_> = saarcor_proofs::theorems().collect();
         let Some(name) = &self.name else { return Ok(all) };
         let chosen: Vec<_> = all.iter().copied().filter(|theorem| is_named(theorem, name)).collect();
-        if chosen.is_empty() {
+        if chosen.is_empty() && self.certificates().next().is_none() {
             let names = all.iter().flat_map(|theorem| [theorem.name, theorem.unit()]);
             let hint =
                 nearest(name, names).map_or_else(String::new, |known| format!(": did you mean '{known}'?"));
@@ -193,6 +228,45 @@ impl Args {
         }
         Ok(chosen)
     }
+}
+
+/// What Gappa shows of a certificate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+enum Certified {
+    #[serde(rename = "proved")]
+    Proved,
+    #[serde(rename = "disproved")]
+    Disproved,
+    #[serde(rename = "not run")]
+    NotRun,
+}
+
+/// Has Gappa judge a certificate, and prints it.
+fn certify(certificate: &Certificate, json: bool, out: &mut Stdout) -> Result<Certified> {
+    let verdict = match certificate.judge() {
+        Some(true) => Certified::Proved,
+        Some(false) => Certified::Disproved,
+        None => Certified::NotRun,
+    };
+    let Certificate { name, requirement, says, file, step, least, slack, .. } = *certificate;
+    let constant = (certificate.constant)();
+    if json {
+        let line = serde_json::json!({
+            "engine": "gappa", "name": name, "requirement": requirement, "says": says, "file": file, "verdict": verdict,
+            "constant": constant, "least": least, "step": step, "slack": slack,
+        });
+        json_line(out, &line)?;
+    } else {
+        let verdict = match verdict {
+            Certified::Proved => "proved",
+            Certified::Disproved => "DISPROVED",
+            Certified::NotRun => "not run: there is no gappa",
+        };
+        out.line(format_args!(
+            "{requirement:<5} {says} [{name}]\n  gappa       {verdict}, with {least} steps of {step}; {file} has {constant}"
+        ))?;
+    }
+    Ok(verdict)
 }
 
 /// Whether `name` is the theorem's own, its unit's (`vm::set`, or `set` alone), or its group's

@@ -4,6 +4,7 @@
 //! with a bound of its error (`triangle`) decides nearly all rays; where it leaves a doubt, volumes in
 //! whole numbers of 128 bits do (`grid`), or in expansions of f64 (`volumes`, `expansion`).
 
+pub mod bounds;
 mod expansion;
 mod grid;
 mod triangle;

@@ -2,9 +2,12 @@
 //!
 //! Twin of [`saarcor_model::rays::ExactHit`]: the same hits, and the same order of two hits.
 
+use super::bounds::{
+    DISTANCE, EXACT_EDGES, MARGIN, MOST_NU, NORMAL, QUOTIENT, ROUNDED_EDGES, ROUNDINGS, UNIT, WORDS,
+};
 use super::expansion::{two_product, two_sum};
 use super::grid::Grid;
-use super::volumes::{Signs, UNIT, Volumes, slope_sign};
+use super::volumes::{Signs, Volumes, slope_sign};
 use glam::{DVec3, Vec3};
 use saarcor_model::host::{Axis, Edges};
 use saarcor_model::rays::{Ray, Triple};
@@ -32,19 +35,20 @@ use std::cmp::Ordering;
 /// **Error of a test.** Nothing is divided before the ray is known to meet the triangle: the height
 /// of the origin over the plane, the point and its weights are all times `across`, the direction's
 /// component across the plane. With S ≥ |o - a|, D the largest component of the direction, and three
-/// roundings, γ(3) · 3 ≤ ε: `across` is off by 3.3 ε D (its roundings, and two words), `height` by
-/// 3.5 ε S (the differences besides), a coordinate `from · across - height · d` of the point by
-/// 8.5 ε S D, since |across| ≤ 3 D and |height| ≤ 3 S, a weight by 34 L ε S D, where L is the largest
-/// word of the weights, and the third one, `across - u - v`, by 72 L ε S D + 4 ε D. All are off by
-/// E = 80 L ε D (S + 1/(8 L)) at most, which includes the roundings of E.
+/// roundings, γ(3) · 3 ≤ ε: `across` is off by 2.9 ε D (its roundings, and two words), `height` by
+/// 3.2 ε S (the differences besides), a coordinate `from · across - height · d` of the point by
+/// 7.9 ε S D, since |across| ≤ 3.3 D and |height| ≤ 3.3 S, a weight by 32 L ε S D, where L is the largest
+/// word of the weights, and the third one, `across - u - v`, by 69 L ε S D + 3.6 ε D. All are off by
+/// E = 70 L ε D (S + 1/(8 L)) at most, which includes the roundings of E. Each of these numbers is one of
+/// [`bounds`](super::bounds), with a certificate.
 ///
-/// * Three weights of one sign, beyond E: inside. `across` then exceeds 3 E ≥ 30 ε D.
+/// * Three weights of one sign, beyond E: inside. `across` then exceeds 3 E ≥ 26 ε D.
 /// * A weight beyond E of another sign than `across`: outside, whatever the true sign of `across`. If it
-///   is not the computed one, then |across| ≤ 3.3 ε D, less than that weight, which the other two have
+///   is not the computed one, then |across| ≤ 2.9 ε D, less than that weight, which the other two have
 ///   to make up for: two signs are opposite.
 ///
-/// The distance is `height` over `across`: if inside, off by (3.5 ε S + 3.3 ε |t| D) / (0.89 |across|) and
-/// two roundings, together less than 6 ε (S + |t| D) / |across|.
+/// The distance is `height` over `across`: if inside, off by (3.2 ε S + 2.9 ε |t| D) / |across| and
+/// two roundings, where |t| itself may be off by a ninth: together less than 5 ε (S + |t| D) / |across|.
 ///
 /// f64 neither overflows nor underflows where it matters: a bound that is NaN or infinite is no
 /// certainty.
@@ -61,9 +65,9 @@ pub struct AdaptiveTriangle {
     weights: [[f64; 2]; 2],
     /// The largest coordinate of the first corner, and 1/(8 L).
     reach: f64,
-    /// 80 L ε.
+    /// 70 L ε.
     weight_slack: f64,
-    /// 6 ε.
+    /// 5 ε.
     distance_slack: f64,
 }
 
@@ -146,7 +150,7 @@ impl AdaptiveTriangle {
         let [a, b, c] = corners.map(|corner| corner.as_dvec3().to_array());
         let (to_b, to_c) = (sub(b, a), sub(c, a));
         let is_exact = |end: Triple<f64>| (0..3).all(|axis| two_sum(end[axis], -a[axis]).1 == 0.0);
-        let slack = if is_exact(b) && is_exact(c) { 4.0 * UNIT * UNIT } else { 4.0 * UNIT };
+        let slack = if is_exact(b) && is_exact(c) { EXACT_EDGES * UNIT * UNIT } else { ROUNDED_EDGES * UNIT };
         let minors: [_; 3] = std::array::from_fn(|axis| {
             let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
             let (left, right) = (two_product(to_b[p], to_c[q]), two_product(to_b[q], to_c[p]));
@@ -159,8 +163,8 @@ impl AdaptiveTriangle {
         let products = minors.iter().fold(0.0, |largest, (_, size)| size.max(largest));
         let weights = [[to_c[q] / area, -to_c[p] / area], [-to_b[q] / area, to_b[p] / area]];
         let largest = weights.as_flattened().iter().fold(0.0, |largest, word| word.abs().max(largest));
-        let nu = 3.0 * UNIT + slack * (products / area.abs());
-        let epsilon = if nu <= 1.0 / 16.0 { 2.5 * nu + 2.0 * UNIT } else { f64::INFINITY };
+        let nu = NORMAL * UNIT + slack * (products / area.abs());
+        let epsilon = if nu <= MOST_NU { WORDS * nu + ROUNDINGS * UNIT } else { f64::INFINITY };
         Self {
             corners: *corners,
             axes: [axis, p, q].map(|axis| axis as u8),
@@ -168,8 +172,8 @@ impl AdaptiveTriangle {
             plane: [normal[p] / area, normal[q] / area],
             weights,
             reach: DVec3::from_array(a).abs().max_element() + 0.125 / largest,
-            weight_slack: 80.0 * largest * epsilon,
-            distance_slack: 6.0 * epsilon,
+            weight_slack: MARGIN * largest * epsilon,
+            distance_slack: DISTANCE * epsilon,
         }
     }
 
@@ -293,7 +297,7 @@ fn exact_order(ray: &Ray, a: &[Vec3; 3], b: &[Vec3; 3]) -> Ordering {
 
 /// By how much a distance may be off as a numerator, a divisor and a quotient that are each rounded once.
 fn exact_error(t: f64) -> f64 {
-    4.0 * UNIT * t.abs()
+    QUOTIENT * UNIT * t.abs()
 }
 
 /// `a - b`.

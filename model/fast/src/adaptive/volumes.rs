@@ -2,6 +2,7 @@
 //!
 //! Twin of [`saarcor_model::rays::ExactHit`], in expansions of f64.
 
+use super::bounds::{SLOPE, UNIT};
 use super::expansion::{self, SIX_FACTORS, THREE_FACTORS};
 use glam::Vec3;
 use saarcor_model::rays::{Ray, Triple};
@@ -12,9 +13,6 @@ type Expansion = expansion::Expansion<THREE_FACTORS>;
 
 /// The signs of the three weights and of their sum.
 pub(super) type Signs = ([Ordering; 3], Ordering);
-
-/// The roundoff of f64.
-pub(super) const UNIT: f64 = f64::EPSILON / 2.0;
 
 /// With the corners counted from the origin: the weights of the corners where the ray's line meets
 /// the plane, times their sum.
@@ -84,10 +82,6 @@ impl Volumes {
     }
 }
 
-/// By how much the difference of two products of a component and a difference of coordinates may be off: 3u of the
-/// sum of both, with each rounded, and less than u of it for the rest.
-const SLOPE_ERROR: f64 = 4.0 * UNIT;
-
 /// The sign that the weight of 0 of an edge from `from` to `to` takes where edges are owned, if the weights' sum is positive:
 /// that of the first component of `direction × (to - from)` that is not 0 (IS-6).
 #[cold]
@@ -100,7 +94,7 @@ pub(super) fn slope_sign(direction: Vec3, from: Vec3, to: Vec3) -> Ordering {
         let (left, right) = (d_p * (to_q - from_q), d_q * (to_p - from_p));
         // Neither product underflows: where both are 0, nothing is rounded.
         let (difference, size) = (left - right, left.abs() + right.abs());
-        if difference.abs() > SLOPE_ERROR * size || size == 0.0 {
+        if difference.abs() > SLOPE * UNIT * size || size == 0.0 {
             return difference.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
         }
         let left = Expansion::difference(to_q, from_q).scaled(d_p);

@@ -12,12 +12,12 @@
 /// 2u are left for the distance that it is compared to: a hit may be reported at up to 1 ± 2u times
 /// its true distance, that is within one unit in the last place, and cuts off no hit that is nearer
 /// or as near (KD-4).
-const WIDENING: f32 = 6.0 * (f32::EPSILON / 2.0) / (1.0 - 3.0 * (f32::EPSILON / 2.0));
+pub const WIDENING: f32 = 6.0 * (f32::EPSILON / 2.0) / (1.0 - 3.0 * (f32::EPSILON / 2.0));
 
 /// Absolute width, for distances among the least f32, where rounding is not relative: half of the
 /// least f32 each for the rounding of the distance, of the widening, and of the distance of a hit
 /// that it is compared to, and as much to spare. It changes no distance above 2⁻¹²³.
-const UNDERFLOW: f32 = f32::from_bits(2);
+pub const UNDERFLOW: f32 = f32::from_bits(2);
 
 /// The parts of the rays that lie in a cell: `enter ≤ t ≤ leave`, closed, empty for a ray that
 /// does not meet the cell.

@@ -21,7 +21,7 @@ pub use intersection::{
     ProjectedTriangle, ShearedRay, StoredTriangle, TriangleTest, Triple, WatertightTriangle, intersect,
     keep_nearest,
 };
-pub use interval::{Intervals, is_downwards, max, min, reciprocal, visit, widen};
+pub use interval::{Intervals, UNDERFLOW, WIDENING, is_downwards, max, min, reciprocal, visit, widen};
 pub use pipeline::{LEAST_PART, Pipeline, RayCounts, shadow_ray};
 pub use ray::{Hits, Packet, Query, Ray};
 pub use shading::{AMBIENT, BACKGROUND, Cones, Surface, surfaces};
