@@ -19,7 +19,7 @@ use saarcor_studies::accuracy::front::standings;
 use saarcor_studies::accuracy::measure::{AccuracyRow, Fault, MeasureOptions, measure};
 use saarcor_studies::accuracy::replay::{self, Record, read, worst};
 use saarcor_studies::accuracy::scene::{self, Budget};
-use saarcor_studies::accuracy::suites::{SUITES, Suite, offset_faults};
+use saarcor_studies::accuracy::suites::{OffsetRow, SUITES, Suite, offset_faults, offset_rows};
 use saarcor_studies::monitor::Monitor as _;
 use saarcor_studies::names::{EDGES, KERNELS, Names, kernel_name, name_of};
 use saarcor_studies::world::{World, WorldOptions, open_scene};
@@ -193,6 +193,7 @@ impl Args {
                      {} pass a wall that they start beside",
                     faults.self_hits, faults.rays, faults.self_hits_without, faults.gaps
                 ))?;
+                out.line(offsets_table(&offset_rows(self.seed, cases.div_ceil(40))))?;
             }
         }
         if let Some(files) = files {
@@ -262,6 +263,18 @@ impl Args {
     fn asks_for(&self, suite: &Suite) -> bool {
         self.suite.is_empty() || self.suite.iter().any(|name| name == suite.name)
     }
+}
+
+/// The rule for rays from surfaces, by test, size and slope.
+fn offsets_table(rows: &[OffsetRow]) -> Table {
+    let numbers = ["size", "slope", "rays", "hit their own", "without the offset", "pass the wall"];
+    let mut table = Table::new([Column::text("test")].into_iter().chain(numbers.map(Column::number)));
+    for OffsetRow { kernel, size, slope, faults } in rows {
+        let numbers = [faults.rays, faults.self_hits, faults.self_hits_without, faults.gaps];
+        let kind = [(*kernel).to_owned(), format!("{size:e}"), format!("{slope}")];
+        table.row(kind.into_iter().chain(numbers.map(|number| number.to_string())));
+    }
+    table
 }
 
 /// The suites of hard cases, and those of edges and vertices.

@@ -5,10 +5,12 @@ use crate::output::{OutFile, Stdout, json_line, temporaries};
 use crate::progress::Progress;
 use crate::status::Status;
 use crate::table::{Column, Table};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use glam::Vec3;
-use saarcor_model::host::Kernel;
+use saarcor_model::host::{Edges, Kernel};
 use saarcor_oracles::embree::{ENVIRONMENTS, Embree};
+use saarcor_studies::accuracy::exactly_one::{Counts, Place};
+use saarcor_studies::crosscheck::edges::hits_at_edges;
 use saarcor_studies::crosscheck::judge::RayRow;
 use saarcor_studies::crosscheck::rays::{Question, questions};
 use saarcor_studies::crosscheck::{ClassCounts, CrosscheckReport, Faults, crosscheck, kept};
@@ -64,6 +66,9 @@ impl Args {
         }
         let embree = open_embree(&self.environment, progress)?;
         let triangles: Vec<[Vec3; 3]> = scene.triangles.iter().map(|triangle| triangle.corners).collect();
+        if self.scene.edges == Edges::Owned {
+            return self.at_edges(&Place::new(&world.name, &triangles), &embree, progress);
+        }
         let asked = match &replayed {
             Some(replayed) => replayed.clone(),
             None => questions(&world, &triangles, self.rays as usize, self.seed),
@@ -92,6 +97,42 @@ impl Args {
             progress.say(format_args!("{}: rays to replay", out.path().display()));
         }
         Ok(if report.all.model_wrong == 0 { Status::Holds } else { Status::Disproved })
+    }
+}
+
+impl Args {
+    /// Counts the triangles that rays at edges and vertices hit.
+    fn at_edges(&self, place: &Place, embree: &Embree, progress: &Progress) -> Result<Status> {
+        ensure!(
+            self.replay.is_none() && self.out.is_none(),
+            "--edges owned counts hits at edges and vertices: it keeps and replays no rays"
+        );
+        let report = progress.during(&format!("{}: rays at edges and vertices", place.name), |_| {
+            hits_at_edges(place, self.rays.into(), self.seed, embree)
+        })?;
+        let mut out = Stdout::new();
+        if self.json {
+            json_line(&mut out, &report)?;
+        } else {
+            let numbers = ["rays", "none", "two"].map(Column::number);
+            let mut table =
+                Table::new([Column::text("hits at edges and vertices")].into_iter().chain(numbers));
+            let rows = [
+                ("adaptive, owned edges", report.model),
+                ("Embree, robust", report.embree_robust),
+                ("Embree", report.embree_fast),
+            ];
+            for (name, Counts { cases, none, two, .. }) in rows {
+                table.row([name.to_owned(), cases.to_string(), none.to_string(), two.to_string()]);
+            }
+            out.line(table)?;
+        }
+        out.finish()?;
+        progress.say(format_args!(
+            "{} of {} rays are left out: at silhouettes, behind other triangles, or at vertices of many triangles",
+            report.left_out, report.rays
+        ));
+        Ok(if report.model.wrong() == 0 { Status::Holds } else { Status::Disproved })
     }
 }
 

@@ -237,10 +237,10 @@ fn ilog2(number: f64) -> i32 {
 }
 
 /// How many of some triangles of a surface a line hits.
-type Counter<'a> = Box<dyn Fn(&Ray, &[u32]) -> u32 + Sync + 'a>;
+pub(crate) type Counter<'a> = Box<dyn Fn(&Ray, &[u32]) -> u32 + Sync + 'a>;
 
 /// The counter of a contestant on a surface.
-fn counter(contestant: Contestant, edges: Edges, surface: &Surface) -> Counter<'static> {
+pub(crate) fn counter(contestant: Contestant, edges: Edges, surface: &Surface) -> Counter<'static> {
     match contestant.format {
         _ if contestant.kernel == Kernel::Adaptive => {
             let prepare = |number: u32| AdaptiveTriangle::new(&surface.corners(number));

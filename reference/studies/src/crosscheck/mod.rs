@@ -4,6 +4,7 @@
 //! Besides, some rays are searched among all triangles with the model's own triangle test, so that
 //! hits that its kd-tree traversal loses show without the judge's hierarchy (KD-4).
 
+pub mod edges;
 pub mod judge;
 pub mod kept;
 pub mod rays;

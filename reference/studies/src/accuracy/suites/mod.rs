@@ -8,7 +8,7 @@ mod numbers;
 mod order;
 mod shadow;
 
-pub use shadow::{OffsetFaults, offset_faults};
+pub use shadow::{OffsetFaults, OffsetRow, offset_faults, offset_rows};
 
 use super::case::Case;
 use glam::Vec3;
