@@ -180,7 +180,7 @@ fn directions(dir: Vec3, up: Vec3) -> Result<(Vec3, Vec3), String> {
     }
     let cosine = exact_dir.dot(exact_up);
     if cosine.abs() > TOLERANCE {
-        let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees() as f32;
+        let angle = libm::acos(cosine.clamp(-1.0, 1.0)).to_degrees() as f32;
         return Err(format!("dir and up meet at {angle} degrees: a right angle is needed"));
     }
     if stretch(exact_dir).max(stretch(exact_up)).max(cosine.abs()) <= ROUNDING {

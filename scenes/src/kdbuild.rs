@@ -88,7 +88,7 @@ impl Default for BuildOptions {
 impl BuildOptions {
     /// The depth limit for a tree over `triangles` triangles.
     fn depth_limit(&self, triangles: usize) -> u32 {
-        let levels = (triangles.max(1) as f64).log2();
+        let levels = libm::log2(triangles.max(1) as f64);
         let of_rule = match self.rule {
             SplitRule::SurfaceArea => 1.3 * levels + 8.0,
             SplitRule::SpatialMedian => 1.2 * levels + 2.0,

@@ -26,7 +26,7 @@ pub fn overview(triangles: &[Triangle]) -> Option<Camera> {
         0.0 => 1.0,
         radius => radius,
     };
-    let distance = MARGIN * radius / (FOV_Y_DEG.to_radians() / 2.0).sin();
+    let distance = MARGIN * radius / libm::sin(FOV_Y_DEG.to_radians() / 2.0);
     let dir = DVec3::NEG_ONE.normalize();
     let up = DVec3::new(-1.0, 2.0, -1.0).normalize();
     let eye = (centre - dir * distance).as_vec3();

@@ -29,8 +29,8 @@
 //! Inside a group the files have no part in the paths: `use saarcor_model::vm::{Geometry, Set}`.
 //!
 //! The crate is pure: no input or output, no clock, no randomness, no global state. Fused multiply-add is not used: each `*` and `+`
-//! rounds by itself, so that traversal and triangle tests give the same on every machine (cameras and highlights call the platform's
-//! `tan` and `powf`). What runs fast is its twin, `saarcor-fast`.
+//! rounds by itself, and cameras and highlights take `tan` and `powf` from the crate libm, so that everything gives the same on every
+//! machine. What runs fast is its twin, `saarcor-fast`.
 
 pub mod host;
 pub mod rays;

@@ -117,7 +117,8 @@ mod tests {
         assert_eq!(cuts(&path(&[0.0, 1.0, 2.0, 4.0, 4.0, 4.0, 5.0])), BTreeSet::new());
         assert_eq!(cuts(&path(&[0.0, 1.0, 2.0, 11.0, 12.0, 13.0])), BTreeSet::from([3]));
         let mut turning = path(&steady);
-        let turned = |degrees: f32| Vec3::new(degrees.to_radians().sin(), 0.0, degrees.to_radians().cos());
+        let turned =
+            |degrees: f32| Vec3::new(libm::sinf(degrees.to_radians()), 0.0, libm::cosf(degrees.to_radians()));
         (turning[7].dir, turning[8].dir) = (turned(29.0), turned(61.0));
         turning[9..].iter_mut().for_each(|camera| camera.dir = turned(61.0));
         assert_eq!(cuts(&turning), BTreeSet::from([8]));

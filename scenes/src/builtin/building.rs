@@ -157,7 +157,7 @@ pub fn venetian_blind(width: f32, slats: u32, cells: u32, tilt: f32) -> Mesh {
     const PITCH: f32 = 0.025;
     let mut blind = empty();
     block(&mut blind, Finish::Steel, vec3(0.0, -0.035, -0.02), vec3(width, 0.0, 0.02));
-    let (sin, cos) = (tilt * TAU).sin_cos();
+    let (sin, cos) = libm::sincosf(tilt * TAU);
     for i in 0..slats {
         let y = -0.05 - PITCH * i as f32;
         blind.patch(Finish::Slat.surface(), [1, cells], |u, v| {
@@ -187,7 +187,7 @@ pub fn vertical_blind(width: f32, height: f32, tilt: f32) -> Mesh {
     const PITCH: f32 = 0.085;
     let mut blind = empty();
     block(&mut blind, Finish::Steel, vec3(0.0, -0.04, -0.025), vec3(width, 0.0, 0.025));
-    let (sin, cos) = (tilt * TAU).sin_cos();
+    let (sin, cos) = libm::sincosf(tilt * TAU);
     let vanes = (width / PITCH) as u32;
     for i in 0..vanes {
         let x = PITCH * (i as f32 + 0.5);
@@ -227,8 +227,11 @@ pub fn curtain(width: f32, height: f32, folds: u32) -> Mesh {
     curtain.patch(Finish::Curtain.surface(), [folds * 10, 5], |u, v| {
         let phase = u * folds as f32 * TAU;
         let deep = 0.025 + 0.035 * (1.0 - v);
-        let position =
-            vec3(u * width + 0.012 * (2.0 * phase).sin(), -height * (1.0 - v) - 0.03, deep * phase.sin());
+        let position = vec3(
+            u * width + 0.012 * libm::sinf(2.0 * phase),
+            -height * (1.0 - v) - 0.03,
+            deep * libm::sinf(phase),
+        );
         Vertex { position, along: vec2(u, v) }
     });
     let rod = |x: f32| (vec3(x, 0.0, 0.0), 0.012);
@@ -458,5 +461,5 @@ pub fn exit_sign() -> Mesh {
 
 /// Adds `part` to a wall at `at` that faces `facing` (a unit vector along x or z).
 pub fn hang(mesh: &mut Mesh, part: &Mesh, at: Vec3, facing: Vec3) {
-    mesh.append(part, placed(at, facing.x.atan2(facing.z) / TAU));
+    mesh.append(part, placed(at, libm::atan2f(facing.x, facing.z) / TAU));
 }

@@ -252,7 +252,7 @@ pub fn telephone() -> Mesh {
         .map(|i| {
             let s = i as f32 / 48.0;
             let turn = circle(s * 12.0) * 0.007;
-            vec3(-0.10 - 0.05 * (s * TAU / 2.0).sin() + turn.x * 0.5, 0.009 + turn.y, 0.1 - 0.16 * s)
+            vec3(-0.10 - 0.05 * libm::sinf(s * TAU / 2.0) + turn.x * 0.5, 0.009 + turn.y, 0.1 - 0.16 * s)
         })
         .collect();
     phone.tube(plastic, &cord, 0.0015, 3);
@@ -292,8 +292,8 @@ pub fn bin(random: &mut Random) -> Mesh {
         let radius = random.between(0.03, 0.045);
         ball.sphere(Finish::Paper.surface(), Vec3::ZERO, radius, 8, 6);
         let crumple = [random.between(0.2, 0.3), random.between(60.0, 90.0)];
-        let ball =
-            ball.bent(|p| p * (1.0 + crumple[0] * ((p.x - p.z) * crumple[1]).sin() * (p.y * 80.0).cos()));
+        let ball = ball
+            .bent(|p| p * (1.0 + crumple[0] * libm::sinf((p.x - p.z) * crumple[1]) * libm::cosf(p.y * 80.0)));
         bin.append(&ball, placed(vec3(at.x, random.between(0.06, 0.2), at.y), random.unit()));
     }
     bin
@@ -340,7 +340,7 @@ pub fn plant(height: f32, leaves: u32, random: &mut Random) -> Mesh {
         let (length, width) = (random.between(0.16, 0.25), random.between(0.03, 0.05));
         let droop = random.between(0.2, 0.9);
         stalk.patch(Finish::Leaf.surface(), [2, 7], |u, v| {
-            let half = width * (v * TAU / 2.0).sin() * (1.0 - 0.3 * v);
+            let half = width * libm::sinf(v * TAU / 2.0) * (1.0 - 0.3 * v);
             let side = 2.0 * u - 1.0;
             let fold = 0.3 * half * side.abs();
             let position = bow(1.0) + vec3(side * half, fold - droop * length * v * v, length * v);

@@ -198,7 +198,7 @@ pub fn meeting_table(length: f32, width: f32, top: Finish) -> Mesh {
         let turn = TAU * (from + 0.5 * u - 0.25);
         let radius = width / 2.0 - inset;
         let x = if from == 0.0 { straight } else { -straight };
-        vec2(x + turn.cos() * radius, -turn.sin() * radius)
+        vec2(x + libm::cosf(turn) * radius, -libm::sinf(turn) * radius)
     };
     // A band all around; each step from its lower or outer edge is an inset and a height.
     let band = |steps: &[(f32, f32)], finish: Finish, table: &mut Mesh| {
@@ -293,7 +293,7 @@ pub fn book(size: Vec3, cover: Finish) -> Mesh {
     book.quad(cloth, vec3(x, 0.0, z), -deep, up, WHOLE);
     book.patch(cloth, [3, 1], |u, v| {
         let turn = (u - 0.5) * TAU / 2.0;
-        let position = vec3(turn.sin() * x, v * size.y, z + turn.cos() * x * 0.4);
+        let position = vec3(libm::sinf(turn) * x, v * size.y, z + libm::cosf(turn) * x * 0.4);
         Vertex { position, along: vec2(u * size.x, v * size.y) }
     });
     book.quad(paper, vec3(x, BACK, BACK - z), -across, up - 2.0 * BACK * Vec3::Y, WHOLE);
@@ -334,7 +334,7 @@ fn shelf_of_books(case: &mut Mesh, y: f32, [left, right]: [f32; 2], random: &mut
         let cover = Finish::BOOKS[random.range(0, Finish::BOOKS.len() as u32) as usize];
         let lean = if random.range(0, 9) == 0 { random.between(0.02, 0.035) } else { 0.0 };
         // What a leaning book takes: its thickness, and the way that its top has moved.
-        let width = size.x + size.y * (lean * TAU).sin() + 0.001;
+        let width = size.x + size.y * libm::sinf(lean * TAU) + 0.001;
         if x + width > right {
             return;
         }

@@ -183,7 +183,7 @@ impl Mesh {
         let stops: [Vec<(f32, f32)>; 3] = [0, 1, 2].map(|axis| {
             let (low, high) = (min[axis] + radius, max[axis] - radius);
             // Exactly 1 at an edge of the cube, so that its two faces meet.
-            let tan = |i: u32| if i == arc { 1.0 } else { (TAU / 8.0 * i as f32 / arc as f32).tan() };
+            let tan = |i: u32| if i == arc { 1.0 } else { libm::tanf(TAU / 8.0 * i as f32 / arc as f32) };
             let mut stops: Vec<_> = (1..=arc).rev().map(|i| (low, -tan(i))).collect();
             stops.extend((0..=flat[axis]).map(|i| (low + (high - low) * i as f32 / flat[axis] as f32, 0.0)));
             stops.extend((1..=arc).map(|i| (high, tan(i))));

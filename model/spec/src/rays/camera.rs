@@ -25,7 +25,7 @@ pub struct Frame {
 impl Frame {
     /// The picture of `width × height` square pixels that `camera` takes.
     pub fn new(camera: &Camera, width: u32, height: u32) -> Self {
-        let half_height = (camera.fov_y_deg.to_radians() / 2.0).tan();
+        let half_height = libm::tanf(camera.fov_y_deg.to_radians() / 2.0);
         let half_width = half_height * width as f32 / height as f32;
         Self {
             eye: camera.eye,

@@ -172,7 +172,7 @@ impl Surface {
         let mut colour = self.diffuse * facing;
         if self.material.specular != Vec3::ZERO {
             let glance = to_light.dot(self.mirrored()).max(0.0);
-            colour += self.material.specular * glance.powf(self.material.shininess);
+            colour += self.material.specular * libm::powf(glance, self.material.shininess);
         }
         colour * ((1.0 - AMBIENT) * light.intensity)
     }

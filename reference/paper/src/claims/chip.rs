@@ -118,7 +118,7 @@ fn b_little_slower(spots: &[HotSpot]) -> Claim {
     numbers.extend(printed.map(|printed| format!("geometric mean of the paper's rows: {printed:.3}")));
     let causes: Vec<Cause> = [LRU, GRANULE_16, BANKS_8].into_iter().filter_map(with).collect();
     numbers.extend(causes.iter().map(ToString::to_string));
-    let most = |cause: &Cause| (cause.with_setting / cause.standard).ln().abs();
+    let most = |cause: &Cause| libm::log(cause.with_setting / cause.standard).abs();
     Claim {
         id: "b-little-slower",
         section: "§4, Table 2",

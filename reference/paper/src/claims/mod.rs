@@ -235,7 +235,7 @@ fn ranges<'a>(
 /// The geometric mean; none of nothing.
 fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let logs: Vec<f64> = values.into_iter().filter(|value| *value > 0.0).map(f64::ln).collect();
-    (!logs.is_empty()).then(|| (logs.iter().sum::<f64>() / logs.len() as f64).exp())
+    (!logs.is_empty()).then(|| libm::exp(logs.iter().sum::<f64>() / logs.len() as f64))
 }
 
 /// A figure of the rows that have it with and without a setting: its geometric mean over those in which both are more

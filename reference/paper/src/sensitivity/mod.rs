@@ -332,9 +332,9 @@ fn errors(pairs: &[Pair<'_>]) -> Errors {
         let relations = rows().flat_map(|row| row.compared.relations());
         percent(relations.filter(|one| one.relation == name).map(|one| one.off_by()))
     };
-    let absolute = |place: usize| rows().map(move |row| row.absolute[place].ln());
+    let absolute = |place: usize| rows().map(move |row| libm::log(row.absolute[place]));
     let off = |place: usize| percent(absolute(place).map(f64::abs));
-    let ratio = |place: usize| (absolute(place).sum::<f64>() / pairs.len() as f64).exp();
+    let ratio = |place: usize| libm::exp(absolute(place).sum::<f64>() / pairs.len() as f64);
     Errors {
         relations: percent(rows().flat_map(Row::off_by)),
         a: relation(A_OF_NO_VM),

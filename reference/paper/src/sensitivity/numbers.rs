@@ -252,7 +252,7 @@ pub const NUMBERS: &[AssumedNumber] = &[
         values: &[
             world("sah 0.5", |world, _| world.tree.intersection_cost = 0.5),
             world("sah 1.5, log2 N + 2 levels", |world, triangles| {
-                world.tree.max_depth = Some((triangles.max(1) as f64).log2() as u32 + 2);
+                world.tree.max_depth = Some(libm::log2(triangles.max(1) as f64) as u32 + 2);
             }),
             world("sah 1.5, leaves of 16", |world, _| world.tree.max_leaf = 16),
         ],

@@ -164,7 +164,7 @@ fn point(random: &mut Random, bounds: Aabb) -> Vec3 {
 /// A direction of about unit length, all of them alike.
 fn direction(random: &mut Random) -> Vec3 {
     let z = random.between(-1.0, 1.0);
-    let (sin, cos) = random.between(0.0, std::f32::consts::TAU).sin_cos();
+    let (sin, cos) = libm::sincosf(random.between(0.0, std::f32::consts::TAU));
     Vec3::new(cos, sin, 0.0) * (1.0 - z * z).sqrt() + Vec3::Z * z
 }
 

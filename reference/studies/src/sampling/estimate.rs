@@ -67,8 +67,8 @@ impl Estimate {
     pub fn product(self, other: Self) -> Self {
         let estimate = self.estimate * other.estimate;
         let apart = |one: f64, of: f64| if of > 0.0 { one / of - 1.0 } else { 0.0 };
-        let below = apart(self.low, self.estimate).hypot(apart(other.low, other.estimate));
-        let above = apart(self.high, self.estimate).hypot(apart(other.high, other.estimate));
+        let below = libm::hypot(apart(self.low, self.estimate), apart(other.low, other.estimate));
+        let above = libm::hypot(apart(self.high, self.estimate), apart(other.high, other.estimate));
         Self { estimate, low: (estimate * (1.0 - below)).max(0.0), high: estimate * (1.0 + above) }
     }
 
@@ -258,7 +258,7 @@ mod tests {
     fn picture() -> (Vec<f64>, Vec<f64>) {
         let block = |block: usize| {
             let (x, y) = ((block % 20) as f64 / 3.0, (block / 20) as f64 / 6.0);
-            10.0 + 6.0 * x.sin() * y.cos() + 3.0 * noise(block)
+            10.0 + 6.0 * libm::sin(x) * libm::cos(y) + 3.0 * noise(block)
         };
         let fine: Vec<f64> = (0..plan(8, 0).blocks()).map(block).collect();
         let rough = fine.iter().enumerate().map(|(i, fine)| fine * (0.3 + 0.1 * noise(i + 77_777)));

@@ -151,7 +151,7 @@ fn gear(mesh: &mut Mesh, surface: Surface, from: Vec3, radius: f32, teeth: u32, 
     // Half the height of a tooth; the flank is a flattened sine.
     let depth = 1.2 * radius / teeth as f32;
     let rim = |u: f32, v: f32| {
-        let wave = (TAU * (u * teeth as f32).fract()).sin();
+        let wave = libm::sinf(TAU * (u * teeth as f32).fract());
         let reach = radius + depth * (2.0 * wave).clamp(-1.0, 1.0);
         let p = circle(u + hand * 0.03 * v) * reach;
         from + vec3(v * WIDTH, p.x, p.y)
@@ -223,7 +223,7 @@ fn steam_pipes(mesh: &mut Mesh, s: &Surfaces, side: f32) {
         let line: Vec<Vec3> = (0..=40)
             .map(|j| {
                 let t = j as f32 / 40.0;
-                let z = 3.95 + 0.35 * (PI * t).sin();
+                let z = 3.95 + 0.35 * libm::sinf(PI * t);
                 vec3(x, 13.2 - 4.9 * t, side * z)
             })
             .collect();
@@ -251,8 +251,8 @@ fn cables(mesh: &mut Mesh, s: &Surfaces, side: f32) {
         let line: Vec<Vec3> = (0..=POINTS)
             .map(|j| {
                 let t = j as f32 / POINTS as f32;
-                let hang = (PI * 10.0 * t).sin().abs();
-                let wave = 0.02 * (TAU * (7.0 * t + phase)).sin();
+                let hang = libm::sinf(PI * 10.0 * t).abs();
+                let wave = 0.02 * libm::sinf(TAU * (7.0 * t + phase));
                 vec3(MIN.x + 0.4 + length * t, y - sag * hang + wave, z + wave)
             })
             .collect();

@@ -17,12 +17,12 @@ const DRAUGHT: f32 = 2.0;
 
 /// Height of the deck's edge at a station from -1 (stern) to 1 (bow).
 pub fn sheer(station: f32) -> f32 {
-    6.5 + 3.5 * station.max(0.0).powf(2.5) + 0.4 * station.min(0.0).powi(2)
+    6.5 + 3.5 * libm::powf(station.max(0.0), 2.5) + 0.4 * station.min(0.0).powi(2)
 }
 
 /// Half the deck's breadth at a station.
 pub fn deck_breadth(station: f32) -> f32 {
-    let bow = (1.0 - station.max(0.0).powf(2.6)).max(0.0).powf(0.75);
+    let bow = libm::powf((1.0 - libm::powf(station.max(0.0), 2.6)).max(0.0), 0.75);
     9.5 * bow * (1.0 + 0.2 * station.min(0.0).powi(3))
 }
 
@@ -31,7 +31,7 @@ pub fn hull_point(station: f32, t: f32, side: f32) -> Vec3 {
     let bow = station.max(0.0);
     let y = -DRAUGHT + t * (sheer(station) + DRAUGHT);
     // Full amidships, hollow under the flare of the bow.
-    let fullness = (0.1 + 0.9 * t).powf(0.12 + 0.9 * bow.powi(3));
+    let fullness = libm::powf(0.1 + 0.9 * t, 0.12 + 0.9 * bow.powi(3));
     let rake = 0.7 * (y - 6.5) * bow.powi(8);
     vec3(HALF_LENGTH * station + rake, y, side * deck_breadth(station) * fullness)
 }
@@ -55,9 +55,9 @@ pub fn ship(mesh: &mut Mesh, s: &Surfaces) {
 pub fn surroundings(mesh: &mut Mesh, s: &Surfaces) {
     mesh.patch(s.sea, [192, 96], |u, v| {
         // Cells grow outwards, and the swell is flat where the sea meets the sky.
-        let reach = HORIZON * (1.0 - v).powf(2.5);
+        let reach = HORIZON * libm::powf(1.0 - v, 2.5);
         let at = circle(u) * reach;
-        let height = 0.25 * (at.x * 0.11).sin() * (at.y * 0.07 + at.x * 0.03).sin() * v.min(0.9);
+        let height = 0.25 * libm::sinf(at.x * 0.11) * libm::sinf(at.y * 0.07 + at.x * 0.03) * v.min(0.9);
         Vertex { position: vec3(at.x, height, -at.y), along: at }
     });
     mesh.patch(s.sky, [96, 24], |u, v| {

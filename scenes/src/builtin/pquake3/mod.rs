@@ -154,7 +154,7 @@ fn hall(mesh: &mut Mesh, s: &Surfaces) {
     // The surface rises and falls by a few centimetres, as after a splash in the middle.
     mesh.patch(s.water, [20, 15], |u, v| {
         let flat = vec3(8.0 * u - 4.0, -0.35, 3.0 - 6.0 * v);
-        let ripple = 0.03 * (4.0 * vec2(flat.x, flat.z).length()).sin();
+        let ripple = 0.03 * libm::sinf(4.0 * vec2(flat.x, flat.z).length());
         Vertex { position: flat + Vec3::Y * ripple, along: vec2(8.0 * u, 6.0 * v) }
     });
     for z in [-3.3, 3.0] {

@@ -154,7 +154,7 @@ pub fn banner(mesh: &mut Mesh, s: &Surfaces, top: Vec3, right: Vec3, drop: f32) 
     let width = right.length();
     mesh.patch(s.banner, [6, 12], |u, v| {
         let down = 1.0 - v;
-        let wave = 0.12 * down * ((TAU * (u + 0.7 * down)).sin() + 1.0);
+        let wave = 0.12 * down * (libm::sinf(TAU * (u + 0.7 * down)) + 1.0);
         Vertex {
             position: top + right * u - Vec3::Y * drop * down + out * wave,
             along: vec2(u * width, v * drop),

@@ -31,7 +31,8 @@ pub(super) const VERTEX: Suite = Suite {
         let (vertex, tilt) = (point(random), point(random) * 0.5);
         let rim: [Vec3; 6] = std::array::from_fn(|corner| {
             let angle = corner as f32 / 6.0 * std::f32::consts::TAU;
-            let (x, y) = (angle.cos() * random.between(0.5, 1.5), angle.sin() * random.between(0.5, 1.5));
+            let (x, y) =
+                (libm::cosf(angle) * random.between(0.5, 1.5), libm::sinf(angle) * random.between(0.5, 1.5));
             vertex + Vec3::new(x, y, x * tilt.x + y * tilt.y)
         });
         let triangles = (0..6).map(|i| [vertex, rim[i], rim[(i + 1) % 6]]).collect();

@@ -64,7 +64,7 @@ fn turn(i: i32) -> f32 {
 
 /// A point of the unit sphere: around the y axis, and from pole to pole.
 fn on_sphere(i: i32, j: i32) -> Vec3 {
-    let ((sin, cos), (radius, y)) = (turn(i).sin_cos(), (j as f32 / CELLS[1] as f32 * PI).sin_cos());
+    let ((sin, cos), (radius, y)) = (libm::sincosf(turn(i)), libm::sincosf(j as f32 / CELLS[1] as f32 * PI));
     Vec3::new(cos * radius, y, sin * radius)
 }
 
@@ -88,9 +88,9 @@ pub(super) const TORUS: Suite = Suite {
     closed: true,
     degenerate: false,
     generate: |random| {
-        let on_circle = |i: i32| Vec3::new(turn(i).cos(), 0.0, turn(i).sin());
+        let on_circle = |i: i32| Vec3::new(libm::cosf(turn(i)), 0.0, libm::sinf(turn(i)));
         let vertex = |i: i32, j: i32| {
-            let (sin, cos) = (j.rem_euclid(CELLS[1]) as f32 / CELLS[1] as f32 * TAU).sin_cos();
+            let (sin, cos) = libm::sincosf(j.rem_euclid(CELLS[1]) as f32 / CELLS[1] as f32 * TAU);
             on_circle(i) * (3.0 + cos) + Vec3::Y * sin
         };
         let inside = |random: &mut Random, i: i32| on_circle(i) * 3.0 + super::point(random) * 0.2;

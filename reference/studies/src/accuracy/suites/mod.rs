@@ -80,7 +80,7 @@ fn triangle(random: &mut Random) -> [Vec3; 3] {
 
 /// 10 to the power of a number between two exponents.
 fn power_of_ten(random: &mut Random, low: f32, high: f32) -> f32 {
-    10.0_f32.powf(random.between(low, high))
+    libm::powf(10.0_f32, random.between(low, high))
 }
 
 /// The point of a triangle with these weights of the second and the third corner.
