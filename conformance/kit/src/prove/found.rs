@@ -179,8 +179,15 @@ impl Found {
                     let set = set.iter().cloned();
                     let address: Vec<Value> =
                         if is_side_by_side { way.chain(set).collect() } else { set.chain(way).collect() };
-                    match arrays.get(&memory).and_then(|array| array.words.as_ref()) {
+                    match arrays.get(&memory).map(|array| &array.words) {
+                        // It is not there at this size: the relations that it has are none.
                         None => json!({
+                            "type": "$pos",
+                            "parameters": { "A_SIGNED": binary(0), "A_WIDTH": binary(1), "Y_WIDTH": binary(width) },
+                            "port_directions": { "A": "input", "Y": "output" },
+                            "connections": { "A": ["0"], "Y": bits },
+                        }),
+                        Some(None) => json!({
                             "type": "$memrd",
                             "parameters": {
                                 "MEMID": format!("\\{memory}"), "ABITS": binary(address.len()), "WIDTH": binary(width),
@@ -189,7 +196,7 @@ impl Found {
                             "port_directions": { "ADDR": "input", "CLK": "input", "EN": "input", "DATA": "output" },
                             "connections": { "ADDR": address, "CLK": ["x"], "EN": ["x"], "DATA": bits },
                         }),
-                        Some(words) => {
+                        Some(Some(words)) => {
                             // Words of a power of two bits, so that the address is a shift.
                             let padded = width.next_power_of_two();
                             let pad = |word: &Vec<Value>| {
