@@ -451,7 +451,8 @@ fn has_value(bits: &[Bit<'_>], value: u64) -> Vec<u64> {
         let wanted = if value >> n & 1 == 1 { u64::MAX } else { 0 };
         bits[n].samples[clock] ^ wanted
     };
-    (0..CLOCKS).map(|clock| (0..bits.len()).fold(u64::MAX, |all, n| all & !differs(clock, n))).collect()
+    let clocks = bits.first().map_or(0, |bit| bit.samples.len());
+    (0..clocks).map(|clock| (0..bits.len()).fold(u64::MAX, |all, n| all & !differs(clock, n))).collect()
 }
 
 /// The clocks in which requests change the state, if a wire says so; none where it cannot be that.
@@ -799,4 +800,63 @@ fn group(bits: &[Bit<'_>], counts: &[u64]) -> Option<Relation> {
     let all = format!("{{{}}}", names.join(", "));
     let is_one = values.iter().map(|value: &u64| format!("{all} == {}'h{value:x}", bits.len()));
     Some(Relation { text: is_one.collect::<Vec<_>>().join(" || "), parts: Vec::new() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples(wires: &[(&str, &[u64])]) -> Samples {
+        let mut all: BTreeMap<(String, usize), Vec<u64>> =
+            wires.iter().map(|(name, words)| (((*name).to_owned(), 0), words.to_vec())).collect();
+        all.entry(("reset".to_owned(), 0)).or_insert(vec![0; wires[0].1.len()]);
+        Samples(all)
+    }
+
+    /// A request is taken in clock 0, changes the state in clock 1 and is answered in clock 2, in one run.
+    #[test]
+    fn a_request_changes_the_state_once_before_its_answer() {
+        let of = |commit: &[u64]| {
+            let samples =
+                samples(&[("accepted", &[1, 0, 0, 0]), ("answered", &[0, 0, 1, 0]), ("commit", commit)]);
+            commits(&samples, 1, &[("commit".to_owned(), 1)]).iter().any(|commit| commit.value == 1)
+        };
+        assert!(of(&[0, 1, 0, 0]));
+        // With no request it may be set.
+        assert!(of(&[1, 1, 0, 1]));
+        assert!(!of(&[1, 0, 1, 0]) && !of(&[0, 0, 0, 1]));
+    }
+
+    #[test]
+    fn equal_bits_that_follow_each_other_are_one_relation() {
+        let samples = [0b0101, 0b0011];
+        let bit = |wire, number| Bit { wire, number, samples: &samples };
+        let equal = |part, own, is_inverted| Equal {
+            guard: "",
+            part: bit("found_part0", part),
+            own: bit("resident", own),
+            is_inverted,
+        };
+        let relations = runs(vec![equal(0, 2, false), equal(1, 3, false), equal(2, 4, true)]);
+        let texts: Vec<_> = relations.iter().map(|relation| relation.text.as_str()).collect();
+        assert_eq!(texts, ["found_part0[1:0] == resident[3:2]", "found_part0[2:2] == ~resident[4:4]"]);
+        let mut found = Found { relations, ..Found::default() };
+        assert!(found.drop(&BTreeSet::from([0])));
+        assert_eq!(found.relations[0].text, "found_part0[0:0] == resident[2:2]");
+        assert_eq!(found.relations.len(), 3);
+        assert!(found.drop(&BTreeSet::from([0, 1])) && found.relations.len() == 1);
+        assert!(!found.drop(&BTreeSet::from([7])));
+    }
+
+    #[test]
+    fn bits_together_have_the_values_that_they_had_without_a_reset() {
+        let (low, high) = ([0b0011], [0b0101]);
+        let bits =
+            [("order", &low), ("found_part0", &high)].map(|(wire, samples)| Bit { wire, number: 0, samples });
+        let group = |counts| group(&bits, &[counts]).map(|relation| relation.text);
+        let both = "{found_part0[0], order[0]} ==";
+        assert_eq!(group(0b0011), Some(format!("{both} 2'h1 || {both} 2'h3")));
+        // All values say nothing.
+        assert_eq!(group(0b1111), None);
+    }
 }
