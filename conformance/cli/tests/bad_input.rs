@@ -99,7 +99,7 @@ fn usage() {
     refuses(&["walk", &room_arg(), "--threads", "0"], &["--threads"]);
     refuses(&["walk", &room_arg(), "--lights", "2"], &["--lights 2", "1"]);
     refuses(&["prove", "hit_iff_residen"], &["hit_iff_residen", "hit_iff_resident", "--list"]);
-    refuses(&["prove", "--engine", "z3"], &["z3", "kani, exhaustive, random, all"]);
+    refuses(&["prove", "--engine", "z3"], &["z3", "kani, exhaustive, random, gappa, all"]);
     refuses(&["prove", "--cases", "0"], &["--cases"]);
 }
 
