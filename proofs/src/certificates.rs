@@ -5,7 +5,7 @@
 //! code, which no certificate repeats. The scripts are in `proofs/certificates`.
 //!
 //! Each operation rounds to its exact result times 1 + d, |d| ≤ u (the standard model: Higham 2002, §2.2), which
-//! [`roundoff_of_f32`] and its like prove of Gappa's own formats; nothing underflows, but where a certificate speaks of that.
+//! `roundoff_of_f32` and its like prove of Gappa's own formats; nothing underflows, but where a certificate speaks of that.
 
 use saarcor_fast::adaptive::bounds;
 use saarcor_model::rays::{SURFACE_OFFSET, UNDERFLOW, WIDENING};

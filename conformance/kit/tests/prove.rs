@@ -132,10 +132,9 @@ fn multi_cycle(from: &str, to: &str) -> tempfile::TempDir {
 #[ignore = "needs Yosys and a solver, and takes minutes"]
 fn verilog_in_three_clocks_is_proved_from_its_ports() {
     is_proved(multi_cycle("", "").path(), false);
-    for (from, to) in [
-        ("e0[T-1:0] == line", "e0[T-2:0] == line[T-2:0]"),
-        ("if (inv) begin", "if (inv && fw != 0) begin"),
-    ] {
+    for (from, to) in
+        [("e0[T-1:0] == line", "e0[T-2:0] == line[T-2:0]"), ("if (inv) begin", "if (inv && fw != 0) begin")]
+    {
         let report = proved(multi_cycle(from, to).path(), false).expect("it can be judged");
         assert_eq!(report.verdict, ProofVerdict::Refuted, "{to}: {report:#?}");
     }

@@ -254,7 +254,7 @@ fn arrays(module: &Value, sets: u64) -> BTreeMap<String, Array> {
             && let Ok(number) = number.parse()
         {
             families.entry(array).or_default().insert(number, bits.clone());
-        } else if bits.len() as u64 % sets == 0 && sets >= FEWEST_SETS {
+        } else if (bits.len() as u64).is_multiple_of(sets) && sets >= FEWEST_SETS {
             let width = bits.len() / sets as usize;
             let words = bits.chunks(width).map(<[Value]>::to_vec).collect();
             arrays.insert(name.to_owned(), Array { size: sets, width, words: Some(words) });
