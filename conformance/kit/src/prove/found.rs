@@ -401,17 +401,17 @@ pub(super) fn watched(config: &ProveConfig, cache: &CacheConfig) -> Vec<(String,
         ("waiting", 33),
         ("sum", cache.geometry.set_bits() as usize),
         ("mine", 1),
-        ("matches", ways),
-        ("present", 1),
-        ("hit", 1),
-        ("evicts", 1),
-        ("way", 4),
-        ("evicted", 32),
-        ("card", 32),
         ("queue", harness::ENTRY * config.outstanding as usize),
     ]
+    .into_iter()
+    .chain(answer_of_waiting(ways))
     .map(|(name, width)| (name.to_owned(), width))
-    .to_vec()
+    .collect()
+}
+
+/// The wires that say what is to be answered to the request that waits, with their widths.
+fn answer_of_waiting(ways: usize) -> [(&'static str, usize); 7] {
+    [("matches", ways), ("present", 1), ("hit", 1), ("evicts", 1), ("way", 4), ("evicted", 32), ("card", 32)]
 }
 
 /// The narrow wires of an implementation, which may say when a request changes the state.
@@ -715,22 +715,13 @@ fn classes_of_waiting<'a>(
     controls: &[Bit<'a>],
 ) -> Vec<Class<'a>> {
     let ways = cache.geometry.ways() as usize;
-    let own = [
-        ("matches", ways),
-        ("present", 1),
-        ("hit", 1),
-        ("evicts", 1),
-        ("way", 4),
-        ("evicted", 32),
-        ("card", 32),
-    ];
     let words = found.parts.iter().filter(|shown| matches!(shown.part, Part::Word { .. }));
     let bits = |wire: &'a str, width: usize| {
         (0..width).map(move |number| Bit { wire, number, samples: samples.of(wire, number) })
     };
     let all: Vec<Bit<'a>> = words
         .map(|shown| (shown.wire.as_str(), shown.width))
-        .chain(own)
+        .chain(answer_of_waiting(ways))
         .flat_map(|(wire, width)| bits(wire, width))
         .collect();
     let waits = samples.of("waits", 0).iter().zip(samples.of("mine", 0)).map(|(waits, mine)| waits & mine);

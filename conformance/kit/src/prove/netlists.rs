@@ -212,10 +212,7 @@ impl<'a> Netlists<'a> {
     pub fn simulation(&self, name: &str, json: &Value, wires: &[(String, usize)]) -> Result<Graph, Error> {
         let mut json = json.clone();
         found::show(&mut json, TOP, wires);
-        self.write(&format!("{name}-map.json"), &json.to_string())?;
-        let script = mapped(Reader::Abc { begins_at_zero: true }, name);
-        let script = format!("read_json {name}-map.json\n{script}\n");
-        self.yosys(&format!("{name}-map"), &script, SIMULATION_LIMIT)?;
+        self.map_within(name, &json, Reader::Abc { begins_at_zero: true }, SIMULATION_LIMIT)?;
         let path = self.asked.work.join(format!("{name}.aig"));
         let graph = fs::read(&path).map_err(Error::system(format!("{}: cannot be read", path.display())))?;
         Graph::parse(&graph, &self.read(&format!("{name}.aim"))?)
@@ -224,8 +221,12 @@ impl<'a> Netlists<'a> {
 
     /// Makes the netlist `to` that somebody reads of an elaborated one, which may have been edited.
     pub fn map(&self, to: &str, json: &Value, reader: Reader) -> Result<(), Error> {
+        self.map_within(to, json, reader, LIMIT)
+    }
+
+    fn map_within(&self, to: &str, json: &Value, reader: Reader, limit: Duration) -> Result<(), Error> {
         self.write(&format!("{to}-map.json"), &json.to_string())?;
-        self.yosys(&format!("{to}-map"), &format!("read_json {to}-map.json\n{}\n", mapped(reader, to)), LIMIT)
+        self.yosys(&format!("{to}-map"), &format!("read_json {to}-map.json\n{}\n", mapped(reader, to)), limit)
     }
 
     /// Writes the waves of a trace that ABC found, `NETLIST.aiw`, of what was elaborated as `NAME`.
