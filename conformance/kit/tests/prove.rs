@@ -116,14 +116,15 @@ fn verilog_is_proved_from_its_ports() {
     is_proved(edited("verilog-pipelined", str::to_owned).path(), true);
 }
 
-/// The files of a cache that shows nothing of its state, with a text in the place of another.
-fn multi_cycle(from: &str, to: &str) -> tempfile::TempDir {
+/// The files of a cache of `tests/verilog`, with a text in the place of another.
+fn cache_of(name: &str, from: &str, to: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
-    let text = include_str!("verilog/multi_cycle/cache.v");
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/verilog").join(name);
+    let read = |file: &str| std::fs::read_to_string(own.join(file)).expect("it is there");
+    let text = read("cache.v");
     assert!(text.contains(from), "{from}");
     std::fs::write(folder.path().join("cache.v"), text.replace(from, to)).expect("written");
-    std::fs::write(folder.path().join("dut.toml"), include_str!("verilog/multi_cycle/dut.toml"))
-        .expect("written");
+    std::fs::write(folder.path().join("dut.toml"), read("dut.toml")).expect("written");
     folder
 }
 
@@ -131,12 +132,39 @@ fn multi_cycle(from: &str, to: &str) -> tempfile::TempDir {
 #[test]
 #[ignore = "needs Yosys and a solver, and takes minutes"]
 fn verilog_in_three_clocks_is_proved_from_its_ports() {
-    is_proved(multi_cycle("", "").path(), false);
+    is_proved(cache_of("multi_cycle", "", "").path(), false);
     for (from, to) in
         [("e0[T-1:0] == line", "e0[T-2:0] == line[T-2:0]"), ("if (inv) begin", "if (inv && fw != 0) begin")]
     {
-        let report = proved(multi_cycle(from, to).path(), false).expect("it can be judged");
+        let report = proved(cache_of("multi_cycle", from, to).path(), false).expect("it can be judged");
         assert_eq!(report.verdict, ProofVerdict::Refuted, "{to}: {report:#?}");
+    }
+}
+
+/// It has the bytes of its lines: each byte that is read is the one that was loaded, at its stated size and with nothing shown.
+#[test]
+#[ignore = "needs Yosys and a solver, and takes minutes"]
+fn verilog_with_its_memory_is_proved_to_the_byte() {
+    let report = proved(cache_of("with_memory", "", "").path(), false).expect("it can be judged");
+    assert_eq!(report.verdict, ProofVerdict::Proved, "{report:#?}");
+    assert!(report.stages.iter().any(|stage| stage.config == report.config), "{report:#?}");
+    assert!(!report.not_claimed.iter().any(|what| what.contains("bytes")), "{report:#?}");
+    for (from, to, claim) in [
+        // What is wrong with the bytes shows nowhere else.
+        ("host[LINE_BITS-1:2]}]", "host[LINE_BITS-1:2] & ~1}]", "data"),
+        (
+            "memory[{set, way, beat}] <= fill_data;",
+            "memory[{set, way, beat}] <= fill_data & 32'hff7fffff;",
+            "data",
+        ),
+        ("way <= use; beat <= 0;", "way <= 0; beat <= 0;", "data"),
+        ("FILL: if (fill) begin", "FILL: if (fill || host[31]) begin", "data"),
+        ("load_address = {host[31:LINE_BITS]", "load_address = {host[31:LINE_BITS+1], 1'b0", "loaded"),
+        ("state <= found ? READ : LOAD;", "state <= found && free ? READ : LOAD;", "loaded"),
+    ] {
+        let report = proved(cache_of("with_memory", from, to).path(), false).expect("it can be judged");
+        let found = report.trace.as_ref().map(|trace| trace.claim.as_str());
+        assert_eq!(found, Some(claim), "{to}: {report:#?}");
     }
 }
 

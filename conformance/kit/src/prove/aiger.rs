@@ -1,4 +1,4 @@
-//! A simulation of a netlist as an and-inverter graph (AIGER, binary): 64 runs at once, a bit of a word each.
+//! A netlist as an and-inverter graph (AIGER, binary), in 64 runs at once, a bit of a word each.
 
 use std::collections::BTreeMap;
 

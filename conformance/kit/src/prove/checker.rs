@@ -19,6 +19,13 @@ pub fn shifts(hash: Hash, set_bits: u32) -> Vec<u32> {
     }
 }
 
+/// The sum, in Verilog, whose lowest bits are the set of a line.
+#[must_use]
+pub fn sum(config: &CacheConfig, line: &str) -> String {
+    let shifts = shifts(config.hash, config.geometry.set_bits());
+    shifts.iter().map(|shift| format!("({line} >> {shift})")).collect::<Vec<_>>().join(" + ")
+}
+
 /// The module `saarcor_set` of a cache with that table.
 ///
 /// Its inputs are a request (`step`, `forget`, `address`), the set (`witness`) and `clear`, which forgets all lines. Its
@@ -28,11 +35,9 @@ pub fn shifts(hash: Hash, set_bits: u32) -> Vec<u32> {
 pub fn verilog(config: &CacheConfig, table: &Table) -> String {
     let geometry = config.geometry;
     let (ways, bits) = (table.ways, table.bits);
-    let (line_bits, set_bits) = (geometry.line().0.trailing_zeros(), geometry.set_bits());
+    let line_bits = geometry.line().0.trailing_zeros();
     let way_bits = geometry.ways().trailing_zeros();
     let order_bits = bits - ways;
-    let sum: Vec<_> =
-        shifts(config.hash, set_bits).iter().map(|shift| format!("(line >> {shift})")).collect();
     let mask = geometry.sets() - 1;
     let offsets = geometry.line().0 - 1;
     let mut text = format!(
@@ -48,7 +53,7 @@ pub fn verilog(config: &CacheConfig, table: &Table) -> String {
         order_bits.max(1) - 1,
     );
     let _ = writeln!(text, "    wire [31:0] line = address >> {line_bits};");
-    let _ = writeln!(text, "    assign sum = {};", sum.join(" + "));
+    let _ = writeln!(text, "    assign sum = {};", sum(config, "line"));
     let _ = writeln!(text, "    assign mine = (sum & 32'h{mask:x}) == witness;");
     let _ = writeln!(text, "    reg [{}:0] state = 0;", bits - 1);
     let _ = writeln!(text, "    reg [{}:0] next;", bits - 1);

@@ -43,6 +43,8 @@ pub struct ProveConfig {
     pub request: RequestPorts,
     /// Ports of an answer.
     pub answer: AnswerPorts,
+    /// Ports of the bytes of lines, where the implementation has them.
+    pub data: Option<DataPorts>,
     /// Ports that show the state of one set.
     pub state: Option<StatePorts>,
 }
@@ -97,6 +99,37 @@ pub struct AnswerPorts {
     pub evicts: Option<String>,
     /// Output: its first host address, 32 bits.
     pub evicted: Option<String>,
+}
+
+/// Ports of the bytes of lines: what is answered, and how a line comes from the host. The implementation asks for one line at
+/// a time, and then gets its bytes, those of the lowest addresses first.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DataPorts {
+    /// Output: the bytes at the address of the request, aligned to their number; with the answer to a read.
+    pub answer: String,
+    /// Their bits.
+    #[serde(default = "byte")]
+    pub answer_bits: u32,
+    /// Output: a line is asked for.
+    pub load: String,
+    /// Input: the host hears that. None: always.
+    pub load_ready: Option<String>,
+    /// Output: a host address in the line, 32 bits.
+    pub load_address: String,
+    /// Input: there are bytes of that line.
+    pub fill: String,
+    /// Output: they are taken. None: always.
+    pub fill_ready: Option<String>,
+    /// Input: the bytes.
+    pub fill_data: String,
+    /// Their bits.
+    #[serde(default = "byte")]
+    pub fill_bits: u32,
+}
+
+fn byte() -> u32 {
+    8
 }
 
 /// Ports that show the state of one set, for a proof by induction.
@@ -162,6 +195,16 @@ impl ProveConfig {
         {
             if value < least || value > most {
                 return Err(format!("prove.{key} = {value}: it is a number from {least} to {most}").into());
+            }
+        }
+        let line_bits = 8 * cache.geometry.line().0;
+        let bits = self.data.iter().flat_map(|data| [("answer", data.answer_bits), ("fill", data.fill_bits)]);
+        for (key, value) in bits {
+            if !value.is_power_of_two() || value < 8 || u64::from(value) > line_bits {
+                return Err(format!(
+                    "prove.data.{key}_bits = {value}: it is a power of two from 8 to {line_bits}, the bits of a line"
+                )
+                .into());
             }
         }
         for (parameter, value) in &self.parameters {
@@ -241,6 +284,19 @@ impl ProveConfig {
         })
     }
 
+    /// Bytes of the lines of a small cache. A line that comes from the host takes a clock for each part: two are enough.
+    #[must_use]
+    pub fn short_line(&self, cache: &CacheConfig) -> Bytes {
+        let is_sized = |value: &Parameter| matches!(value, Parameter::Size(size) if ["line", "line_bits"].contains(&size.as_str()));
+        let line = cache.geometry.line();
+        match &self.data {
+            Some(data) if self.parameters.values().any(is_sized) => {
+                Bytes(line.0.min(u64::from(2 * data.fill_bits.max(data.answer_bits) / 8)))
+            }
+            _ => line,
+        }
+    }
+
     /// The value of a parameter for a cache.
     #[must_use]
     pub fn value(&self, parameter: &Parameter, cache: &CacheConfig) -> u64 {
@@ -305,6 +361,15 @@ impl ProveConfig {
         optional(&self.answer.card, false, "raw_card", 32);
         optional(&self.answer.evicts, false, "raw_evicts", 1);
         optional(&self.answer.evicted, false, "dut_evicted", 32);
+        if let Some(data) = &self.data {
+            optional(&Some(data.answer.clone()), false, "raw_data", data.answer_bits);
+            optional(&Some(data.load.clone()), false, "load", 1);
+            optional(&data.load_ready, true, "load_ready", 1);
+            optional(&Some(data.load_address.clone()), false, "load_address", 32);
+            optional(&Some(data.fill.clone()), true, "fill", 1);
+            optional(&data.fill_ready, false, "fill_ready", 1);
+            optional(&Some(data.fill_data.clone()), true, "fill_data", data.fill_bits);
+        }
         if let Some(state) = &self.state {
             optional(&Some(state.set.clone()), true, "witness", 32);
             optional(&Some(state.resident.clone()), false, "shown_resident", ways);
@@ -335,10 +400,9 @@ pub struct Port {
     pub width: u32,
 }
 
-/// The cache with that many sets; its lines, ways, hash and policy stay.
+/// The cache with that many sets, of lines of so many bytes; its ways, hash and policy stay.
 #[must_use]
-pub fn with_sets(cache: &CacheConfig, sets: u64) -> CacheConfig {
-    let line = cache.geometry.line();
+pub fn with_sets(cache: &CacheConfig, sets: u64, line: Bytes) -> CacheConfig {
     let ways = cache.geometry.ways();
     let memory = Bytes(sets * line.0 * u64::from(ways));
     CacheConfig { geometry: Geometry::new(memory, line, ways).unwrap_or(cache.geometry), ..*cache }

@@ -109,10 +109,12 @@ pub fn prove(
         ..asked.config.clone()
     };
     let asked = &Asked { config: &config, ..asked.clone() };
-    let (few, reduced) = (resized(asked.config, &cache, FEW_SETS), resized(asked.config, &cache, RESET_SETS));
+    let reduced = resized(asked.config, &cache, RESET_SETS);
+    let few = resized(asked.config, &cache, FEW_SETS);
+    let few = with_sets(&few, few.geometry.sets(), asked.config.short_line(&few));
     progress("Yosys reads the sources");
     let netlists = Netlists::open(asked, &few)?;
-    let mut report = ProofReport::new(&asked.name, asked.kind, &config::text(&cache), &tools);
+    let mut report = ProofReport::new(asked, &config::text(&cache), &tools);
     let free =
         netlists.free.iter().map(|(name, _)| format!("the input '{name}' has any value at each clock"));
     report.assumed.extend(free);
@@ -264,7 +266,7 @@ impl Proof<'_> {
             return Ok(None);
         }
         let json = self.netlists.elaborate("found", cache, Form::Violations, &Found::default())?;
-        let candidates = Found::candidates(&json, TOP, cache);
+        let candidates = Found::candidates(&json, TOP, cache, self.asked.config.data.is_some());
         let watched = found::watched(self.asked.config, cache);
         let simulated = |json: &Value, wires: &[(String, usize)]| -> Result<Samples, Error> {
             let wires = [&watched[..], wires].concat();
@@ -378,6 +380,7 @@ impl Proof<'_> {
             "card" => ["raw_card", "dut_card", "want_card"],
             "evicts" => ["raw_evicts", "dut_evicts", "want_evicts"],
             "evicted" => ["dut_evicted", "dut_evicted", "want_evicted"],
+            "data" => ["raw_data", "dut_byte", "want_byte"],
             _ => ["answer_valid"; 3],
         };
         let [shown, got, wanted] = trace::values(&vcd, clocks, &wires);
@@ -605,7 +608,8 @@ impl Proof<'_> {
 
 /// The cache with at most that many sets, where their number can be chosen.
 fn resized(config: &ProveConfig, cache: &CacheConfig, sets: u64) -> CacheConfig {
-    if config.is_sized() { with_sets(cache, sets.min(cache.geometry.sets())) } else { *cache }
+    let geometry = cache.geometry;
+    if config.is_sized() { with_sets(cache, sets.min(geometry.sets()), geometry.line()) } else { *cache }
 }
 
 /// The sizes that are proved by induction, the quickest first.

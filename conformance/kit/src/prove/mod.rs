@@ -7,7 +7,8 @@
 //! | [`config`] | the table `[prove]` of `dut.toml` |
 //! | [`harness`] | the implementation beside the checker, and what is claimed |
 //! | [`found`] | the state of an implementation that does not show it |
-//! | `aiger` | a simulation of netlists |
+//! | `aiger` | netlists as and-inverter graphs |
+//! | `simulation` | these with their memories |
 //! | `netlists` | their netlists, by Yosys |
 //! | [`plant`] | faults of the run's own, which have to be refuted |
 //! | [`tools`] | Yosys, ABC and a solver |
@@ -26,6 +27,7 @@ mod netlists;
 pub mod plant;
 #[cfg(unix)]
 pub mod report;
+mod simulation;
 pub mod table;
 #[cfg(unix)]
 pub mod tools;

@@ -7,6 +7,7 @@ use super::driver::Asked;
 use super::found::{self, Found};
 use super::harness::{self, FreeInput};
 use super::plant::settle_writes;
+use super::simulation::{Memories, Simulation};
 use super::table::Table;
 use super::tools::run;
 use crate::error::Error;
@@ -209,14 +210,21 @@ impl<'a> Netlists<'a> {
     }
 
     /// A simulation of an elaborated netlist, which shows wires.
-    pub fn simulation(&self, name: &str, json: &Value, wires: &[(String, usize)]) -> Result<Graph, Error> {
+    pub fn simulation(
+        &self,
+        name: &str,
+        json: &Value,
+        wires: &[(String, usize)],
+    ) -> Result<Simulation, Error> {
         let mut json = json.clone();
         found::show(&mut json, TOP, wires);
+        let memories = Memories::take_out(&mut json, TOP);
         self.map_within(name, &json, Reader::Abc { begins_at_zero: true }, SIMULATION_LIMIT)?;
         let path = self.asked.work.join(format!("{name}.aig"));
         let graph = fs::read(&path).map_err(Error::system(format!("{}: cannot be read", path.display())))?;
-        Graph::parse(&graph, &self.read(&format!("{name}.aim"))?)
-            .ok_or_else(|| format!("{}: no netlist of Yosys", path.display()).into())
+        let graph = Graph::parse(&graph, &self.read(&format!("{name}.aim"))?)
+            .ok_or_else(|| format!("{}: no netlist of Yosys", path.display()))?;
+        Ok(Simulation::new(graph, memories))
     }
 
     /// Makes the netlist `to` that somebody reads of an elaborated one, which may have been edited.

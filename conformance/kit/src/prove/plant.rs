@@ -6,7 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// What the parts of the implementation are called in a netlist without hierarchy.
 const PART: [&str; 2] = ["dut.", "$flatten\\dut."];
 /// The wires that are judged.
-const JUDGED: [&str; 6] = ["raw_hit", "raw_way", "raw_card", "raw_evicts", "dut_evicted", "answer_valid"];
+const JUDGED: [&str; 7] =
+    ["raw_hit", "raw_way", "raw_card", "raw_evicts", "dut_evicted", "answer_valid", "raw_data"];
 
 /// The netlist of [`harness`](super::harness), as Yosys writes it in JSON before memories are mapped.
 pub struct Plan<'a> {
@@ -170,7 +171,7 @@ impl<'a> Plan<'a> {
 }
 
 /// The largest number of a bit among wires.
-fn largest(wires: &Value) -> u64 {
+pub(super) fn largest(wires: &Value) -> u64 {
     let wires = wires.as_object().into_iter().flatten();
     wires.flat_map(|(_, wire)| bits_of(&wire["bits"])).max().unwrap_or_default()
 }

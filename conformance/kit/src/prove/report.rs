@@ -1,5 +1,6 @@
 //! What a proof found.
 
+use super::driver::Asked;
 use super::tools::Tools;
 use crate::kind::Kind as _;
 use crate::meta::Meta;
@@ -111,18 +112,18 @@ pub struct ProofReport {
 }
 
 impl ProofReport {
-    pub(super) fn new(dut: &str, kind: &str, config: &str, tools: &Tools) -> Self {
-        let mut not_claimed = vec![
-            "that a request is taken at all, where the implementation says when",
-            "the bytes of a line: the place of the line stands for them",
-        ];
-        if kind == Meta.name() {
+    pub(super) fn new(asked: &Asked<'_>, config: &str, tools: &Tools) -> Self {
+        let mut not_claimed = vec!["that a request is taken at all, where the implementation says when"];
+        if asked.config.data.is_none() {
+            not_claimed.push("the bytes of a line: the place of the line stands for them");
+        }
+        if asked.kind == Meta.name() {
             not_claimed.push("what goes through the metadata cache, and what is on the card");
         }
         Self {
             schema_version: SCHEMA_VERSION,
-            dut: dut.to_owned(),
-            kind: kind.to_owned(),
+            dut: asked.name.clone(),
+            kind: asked.kind.to_owned(),
             config: config.to_owned(),
             verdict: ProofVerdict::NotDecided,
             reason: String::new(),
