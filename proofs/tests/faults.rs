@@ -1,5 +1,5 @@
 //! The theorems find the faults that implementers make: each of `faults.toml` is planted into a copy
-//! of the model, and its theorem has to fail on both engines, or its property test where it names one.
+//! of the model, and its theorem has to fail on both engines, and its property test where it names one.
 //!
 //! A copy has no more than the model and the proofs, and of the theorems only the fault's own is
 //! judged: so most of the time goes into building the model and the theorems anew, once for each fault.
@@ -27,7 +27,8 @@ struct Fault {
     /// The theorem that has to find it.
     #[serde(default)]
     theorem: String,
-    /// In its place a property test, `file::name`, for what shows at sizes that no theorem has.
+    /// A property test, `file::name`, that has to find it: in the theorem's place where it shows at sizes that no theorem has, or
+    /// beside it.
     #[serde(default)]
     test: String,
     /// `spec` or `fast`.
@@ -71,17 +72,19 @@ fn every_fault_has_its_line_and_its_theorem() {
     let theorems: BTreeSet<_> = saarcor_proofs::theorems().map(|theorem| theorem.name).collect();
     for fault in &faults {
         assert!(fault.planted().contains(&fault.to), "{}", fault.name);
-        let Some((file, test)) = fault.test.split_once("::") else {
+        if !fault.theorem.is_empty() || fault.test.is_empty() {
             assert!(theorems.contains(&*fault.theorem), "{}: no theorem {}", fault.name, fault.theorem);
-            continue;
-        };
-        assert!(fault.theorem.is_empty(), "{}: a theorem and a test", fault.name);
+        }
+        let Some((file, test)) = fault.test.split_once("::") else { continue };
         let tests =
             fs::read_to_string(workspace().join(format!("proofs/tests/{file}.rs"))).unwrap_or_default();
         let is_there =
             tests.split("#[test]").any(|tests| tests.trim_start().starts_with(&format!("fn {test}(")));
         assert!(is_there, "{}: no test {}", fault.name, fault.test);
     }
+    let of_owned_edges =
+        faults.iter().filter(|fault| fault.test.starts_with("exactly_one::") && !fault.theorem.is_empty());
+    assert!(of_owned_edges.count() >= 10, "faults in the rule that a theorem and the suite find");
     let of_twins = faults.iter().filter(|fault| fault.package == "fast").count();
     assert!(faults.len() >= 40 && of_twins >= 15, "{} faults, {of_twins} of twins", faults.len());
 }
@@ -89,7 +92,7 @@ fn every_fault_has_its_line_and_its_theorem() {
 /// The faults of the twins are found by theorems of equality.
 #[test]
 fn twins_are_held_to_their_specification() {
-    for fault in faults().iter().filter(|fault| fault.package == "fast" && fault.test.is_empty()) {
+    for fault in faults().iter().filter(|fault| fault.package == "fast" && !fault.theorem.is_empty()) {
         let theorem = saarcor_proofs::theorems().find(|theorem| theorem.name == fault.theorem);
         let unit = theorem.map_or("", |theorem| theorem.unit());
         assert!(unit.starts_with("equal"), "{}: {} is of {unit}", fault.name, fault.theorem);
@@ -263,6 +266,8 @@ fn faults_are_found(first: usize) {
                 Some(said) => println!("{} | {:.1} s\n{said}\n", fault.name, start.elapsed().as_secs_f64()),
                 None => missed.push(format!("not found: {} ({})", fault.name, fault.test)),
             }
+        }
+        if fault.theorem.is_empty() {
             continue;
         }
         let theorem = &*fault.theorem;
@@ -309,7 +314,7 @@ fn the_matrix_of_faults_and_theorems() {
     let mut file = fs::OpenOptions::new().create(true).append(true).open(&path).expect("the matrix");
     let copied = copied_workspace(&format!("faults_matrix_{}", part().0), false);
     let evidence = Evidence::read(workspace()).expect("the evidence");
-    for fault in asked().iter().filter(|fault| fault.test.is_empty() && !is_known(fault)) {
+    for fault in asked().iter().filter(|fault| !fault.theorem.is_empty() && !is_known(fault)) {
         let judged = resting_on(&evidence, fault);
         let text = with_fault(&copied, fault, |copied| said_of(copied, &judged));
         let names = failing(&text, &judged).join(" ");

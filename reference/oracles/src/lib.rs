@@ -27,6 +27,7 @@
 //! | [`search::closest_hit`] | kd-tree traversal |
 //! | [`exact::judge`], [`exact::closest`] | triangle tests, and what a ray hits first |
 //! | [`exact::crossings::crossings`] | how often a ray hits the triangles around an edge or a vertex |
+//! | [`surfaces::case`] | owned edges, by rays at edges and vertices of surfaces |
 //! | [`bounded::Bounded`] | how far off a triangle test that rounds may be, in any of the [`formats`] |
 //! | [`embree`] | answers of the model, by Embree |
 //! | [`bvh::Bvh`] | kd-tree traversal, in large scenes |
@@ -43,3 +44,4 @@ pub mod formats;
 pub mod memory_protocol;
 pub mod metadata;
 pub mod search;
+pub mod surfaces;

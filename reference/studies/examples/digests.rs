@@ -2,8 +2,9 @@
 //! `cargo run -p saarcor-studies --example digests`, with `RUSTFLAGS="-C target-cpu=..."` or a profile of its own.
 
 use saarcor_model::host::{Edges, Kernel};
+use saarcor_oracles::surfaces::SurfaceSuite;
 use saarcor_studies::accuracy::contest::{Contestant, Format};
-use saarcor_studies::accuracy::exactly_one::{ExactlyOneOptions, SurfaceSuite, exactly_one};
+use saarcor_studies::accuracy::exactly_one::{ExactlyOneOptions, exactly_one};
 use saarcor_studies::accuracy::measure::{MeasureOptions, measure};
 use saarcor_studies::accuracy::suites::SUITES;
 use saarcor_studies::monitor::Silent;

@@ -2,16 +2,26 @@
 //! begin off them (RG-3).
 
 use saarcor_model::host::{Edges, Kernel};
+use saarcor_oracles::surfaces::{Place, SurfaceSuite};
 use saarcor_studies::accuracy::contest::{Contestant, Format};
-use saarcor_studies::accuracy::exactly_one::{
-    ExactlyOneOptions, ExactlyOneRow, Place, SurfaceSuite, exactly_one,
-};
+use saarcor_studies::accuracy::exactly_one::{ExactlyOneOptions, ExactlyOneRow, exactly_one};
 use saarcor_studies::accuracy::suites::offset_rows;
 
 fn row(suite: SurfaceSuite, places: &[Place], kernel: Kernel, edges: Edges, cases: u64) -> ExactlyOneRow {
     let options = ExactlyOneOptions { seed: 5, cases, edges };
     let contestants = [Contestant { kernel, format: Format::F32 }];
-    exactly_one(suite, places, &contestants, options, &|_| ()).remove(0)
+    let rows = exactly_one(suite, places, &contestants, options, &|_| ());
+    for row in rows.iter().filter(|row| row.is_exact()) {
+        assert_eq!(row.others, 0, "{row:?}");
+        assert!(row.looked >= cases.min(10_000) / 8, "{row:?}");
+    }
+    // The specification comes behind its twin, which is asked all.
+    assert_eq!(rows.len(), 1 + usize::from(kernel == Kernel::Adaptive));
+    for specified in &rows[1..] {
+        assert!(specified.counts.cases > 0 && specified.looked == rows[0].looked, "{specified:?}");
+        assert!(edges == Edges::Shared || specified.counts.wrong() == 0, "{specified:?}");
+    }
+    rows.into_iter().next().expect("a row")
 }
 
 /// On closed meshes of all sizes and places: no surface of the suite is spared.
@@ -24,11 +34,11 @@ fn closed_meshes_are_hit_once() {
     let shared = row(suite, &places, Kernel::Adaptive, Edges::Shared, 70_000);
     for (owned, shared) in owned.places.iter().zip(&shared.places) {
         assert!(owned.counts.silhouette > 50, "{owned:?}");
-        // Most rays meet an edge or a vertex exactly.
-        let decided = shared.counts.cases - shared.counts.silhouette;
-        assert!(shared.counts.two * 2 > decided, "{shared:?}");
-        assert_eq!(shared.counts.none, 0);
+        assert!(shared.counts.two > 200 && shared.counts.none == 0, "{shared:?}");
     }
+    // Most rays meet an edge or a vertex exactly.
+    let decided = shared.counts.cases - shared.counts.silhouette;
+    assert!(shared.counts.two * 2 > decided, "{shared:?}");
     let watertight = row(suite, &places, Kernel::Watertight, Edges::Owned, 70_000);
     let plucker = row(suite, &places, Kernel::Plucker, Edges::Owned, 70_000);
     assert!(watertight.counts.wrong() * 20 < plucker.counts.wrong(), "{watertight:?}, {plucker:?}");
@@ -43,7 +53,7 @@ fn fans_and_grids_are_hit_once() {
     for place in &places {
         let place = std::slice::from_ref(place);
         for kernel in [Kernel::Adaptive, Kernel::Watertight] {
-            let row = row(suite, place, kernel, Edges::Owned, 4096);
+            let row = row(suite, place, kernel, Edges::Owned, 2048);
             assert_eq!((row.counts.wrong(), row.undecided), (0, 0), "{}: {:?}", place[0].name, row.counts);
         }
     }

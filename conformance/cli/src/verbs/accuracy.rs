@@ -8,13 +8,13 @@ use crate::progress::Progress;
 use crate::status::Status;
 use crate::table::{Column, Table};
 use anyhow::{Context, Result, ensure};
+use glam::Vec3;
 use saarcor_model::host::{Edges, Kernel};
+use saarcor_oracles::surfaces::{Place, Surface, SurfaceSuite};
 use saarcor_studies::StudyError;
 use saarcor_studies::accuracy::case::Found;
 use saarcor_studies::accuracy::contest::{Contestant, Format};
-use saarcor_studies::accuracy::exactly_one::{
-    Counts, ExactlyOneOptions, ExactlyOneRow, Place, Surface, SurfaceSuite, exactly_one,
-};
+use saarcor_studies::accuracy::exactly_one::{Counts, ExactlyOneOptions, ExactlyOneRow, exactly_one};
 use saarcor_studies::accuracy::front::standings;
 use saarcor_studies::accuracy::measure::{AccuracyRow, Fault, MeasureOptions, measure};
 use saarcor_studies::accuracy::replay::{self, Record, read, worst};
@@ -126,9 +126,16 @@ impl Args {
         progress: &Progress,
     ) -> Result<Status> {
         let options = ExactlyOneOptions { seed: self.seed, cases, edges: self.edges };
-        let scene = self.scene.as_ref().map(|scene| surface_of(scene, progress)).transpose()?;
-        let mut out = Stdout::new();
         let mut status = Status::Holds;
+        let mut scene = None;
+        if let Some(name) = &self.scene {
+            let loaded = open_scene(&name.world()?, progress)?;
+            let triangles: Vec<_> = loaded.triangles.iter().map(|triangle| triangle.corners).collect();
+            let place;
+            (place, status) = surface_of(&name.to_string(), &triangles, progress)?;
+            scene = Some(place);
+        }
+        let mut out = Stdout::new();
         for &suite in suites {
             let name = name_of(SurfaceSuite::NAMES, &suite);
             let places = scene.clone().map_or_else(|| suite.places(), |scene| vec![scene]);
@@ -143,9 +150,12 @@ impl Args {
                 out.line("")?;
             }
             out.flush()?;
-            let exact = |row: &&ExactlyOneRow| row.kernel == kernel_name(Kernel::Adaptive);
-            if self.edges == Edges::Owned && rows.iter().filter(exact).any(|row| row.counts.wrong() > 0) {
+            let is_wrong = |row: &ExactlyOneRow| row.is_exact() && row.counts.wrong() + row.others > 0;
+            let is_undecided = suite != SurfaceSuite::Silhouettes && rows.iter().any(|row| row.undecided > 0);
+            if self.edges == Edges::Owned && rows.iter().any(is_wrong) {
                 status = Status::Disproved;
+            } else if is_undecided && status == Status::Holds {
+                status = Status::Incomplete;
             }
         }
         out.finish().map(|()| status)
@@ -288,32 +298,38 @@ fn name_list<T>(names: Names<T>) -> String {
     names.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
 }
 
-/// The triangles of a scene.
-fn surface_of(scene: &SceneName, progress: &Progress) -> Result<Place> {
-    let loaded = open_scene(&scene.world()?, progress)?;
-    let triangles: Vec<_> = loaded.triangles.iter().map(|triangle| triangle.corners).collect();
-    let place = Place::new(&scene.to_string(), &triangles);
-    let Surface { patches, open, .. } = &place.surface;
-    ensure!(!patches.is_empty(), "{scene}: no edge and no vertex has triangles all around, wound alike");
-    if *open > 0 {
-        progress.warn(&format!(
-            "{scene}: {open} edges and vertices have a boundary, triangles wound against one another, or more than two \
-             triangles at an edge; the other {} are aimed at",
-            patches.len()
-        ));
+/// The surface of a scene, and how far its rays can be judged.
+///
+/// # Errors
+/// If it is open everywhere.
+pub(super) fn surface_of(
+    name: &str,
+    triangles: &[[Vec3; 3]],
+    progress: &Progress,
+) -> Result<(Place, Status)> {
+    let place = Place::new(name, triangles);
+    let Surface { edges, inner, open, .. } = &place.surface;
+    let closed = edges.len() + inner.len();
+    ensure!(closed > 0, "{name}: no edge and no vertex has triangles all around that are wound alike");
+    if *open == 0 {
+        return Ok((place, Status::Holds));
     }
-    Ok(place)
+    progress.warn(&format!(
+        "{name}: not closed: {open} edges and vertices have a boundary, or triangles wound against one another, and are not judged; \
+         the other {closed} are"
+    ));
+    Ok((place, Status::Incomplete))
 }
 
 /// The rows of a suite of edges and vertices.
 fn hits_table(rows: &[ExactlyOneRow]) -> Table {
-    let numbers =
-        ["rays", "none", "two", "silhouettes", "wrong there", "undecided", "ns a ray"].map(Column::number);
+    let numbers = ["rays", "none", "two", "silhouettes", "wrong there", "undecided", "others", "ns a ray"]
+        .map(Column::number);
     let mut table = Table::new(["kernel", "format", "edges"].map(Column::text).into_iter().chain(numbers));
     for row in rows {
         let Counts { cases, none, two, silhouette, silhouette_wrong } = row.counts;
-        let numbers =
-            [cases, none, two, silhouette, silhouette_wrong, row.undecided].map(|number| number.to_string());
+        let numbers = [cases, none, two, silhouette, silhouette_wrong, row.undecided, row.others]
+            .map(|number| number.to_string());
         let names = [row.kernel, row.format, row.edges].map(str::to_owned);
         table.row(names.into_iter().chain(numbers).chain([format!("{:.0}", row.ns_per_ray)]));
     }

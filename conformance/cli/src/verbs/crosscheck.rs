@@ -1,5 +1,6 @@
 //! `saarcor crosscheck`.
 
+use super::accuracy::surface_of;
 use crate::args::SceneArgs;
 use crate::output::{OutFile, Stdout, json_line, temporaries};
 use crate::progress::Progress;
@@ -9,7 +10,8 @@ use anyhow::{Context, Result, ensure};
 use glam::Vec3;
 use saarcor_model::host::{Edges, Kernel};
 use saarcor_oracles::embree::{ENVIRONMENTS, Embree};
-use saarcor_studies::accuracy::exactly_one::{Counts, Place};
+use saarcor_oracles::surfaces::Place;
+use saarcor_studies::accuracy::exactly_one::Counts;
 use saarcor_studies::crosscheck::edges::hits_at_edges;
 use saarcor_studies::crosscheck::judge::RayRow;
 use saarcor_studies::crosscheck::rays::{Question, questions};
@@ -64,10 +66,13 @@ impl Args {
         for folder in [&*std::env::temp_dir(), &self.environment] {
             temporaries::watch(folder).context("signals cannot be waited for")?;
         }
-        let embree = open_embree(&self.environment, progress)?;
         let triangles: Vec<[Vec3; 3]> = scene.triangles.iter().map(|triangle| triangle.corners).collect();
-        if self.scene.edges == Edges::Owned {
-            return self.at_edges(&Place::new(&world.name, &triangles), &embree, progress);
+        let owned = (self.scene.edges == Edges::Owned)
+            .then(|| surface_of(&world.name, &triangles, progress))
+            .transpose()?;
+        let embree = open_embree(&self.environment, progress)?;
+        if let Some((place, judged)) = owned {
+            return self.at_edges(&place, judged, &embree, progress);
         }
         let asked = match &replayed {
             Some(replayed) => replayed.clone(),
@@ -102,7 +107,13 @@ impl Args {
 
 impl Args {
     /// Counts the triangles that rays at edges and vertices hit.
-    fn at_edges(&self, place: &Place, embree: &Embree, progress: &Progress) -> Result<Status> {
+    fn at_edges(
+        &self,
+        place: &Place,
+        judged: Status,
+        embree: &Embree,
+        progress: &Progress,
+    ) -> Result<Status> {
         ensure!(
             self.replay.is_none() && self.out.is_none(),
             "--edges owned counts hits at edges and vertices: it keeps and replays no rays"
@@ -132,7 +143,7 @@ impl Args {
             "{} of {} rays are left out: at silhouettes, behind other triangles, or at vertices of many triangles",
             report.left_out, report.rays
         ));
-        Ok(if report.model.wrong() == 0 { Status::Holds } else { Status::Disproved })
+        Ok(if report.model.wrong() == 0 { judged } else { Status::Disproved })
     }
 }
 

@@ -2,7 +2,7 @@
 //! have for edges: by the winding number of the patch's rim.
 //!
 //! Where the line meets no point of the rim, the rim winds about it as often as the line crosses the patch from its one
-//! side, less how often from the other. If all triangles of the patch face the line alike, all crossings are from one
+//! side, less how often from the other, whatever triangles the patch has. If all triangles of the patch face the line alike, all crossings are from one
 //! side, and a surface without gaps and without overlaps is hit so many times, exactly. If they do not, the line may
 //! touch the patch at a silhouette: what is hit there beside is hit from both sides, an even number.
 
@@ -31,8 +31,8 @@ impl Crossings {
     }
 }
 
-/// How often the line of `ray` crosses a patch of triangles, all of which are wound as the closed `rim` is. `None` where the
-/// line meets the rim, or may meet it, or has no direction: there the patch alone does not decide.
+/// How often the line of `ray` crosses a patch of triangles that ends at `rim`: all sides of triangles but those that have an opposite
+/// one. `None` where the line meets the rim, or may meet it, or has no direction: there the patch alone does not decide.
 ///
 /// ```
 /// use glam::Vec3;
@@ -41,11 +41,16 @@ impl Crossings {
 /// let ray = |x| Ray { origin: Vec3::new(x, 0.0, -1.0), direction: Vec3::Z, t_min: 0.0, t_max: 2.0 };
 /// let [a, b, c, d] = [Vec3::NEG_X, Vec3::NEG_Y, Vec3::X, Vec3::Y];
 /// // Through the edge of two triangles, and beside them.
-/// assert_eq!(crossings(&ray(0.0), &[a, b, c, d], [[a, b, d], [b, c, d]]), Some(Crossings::Exactly(1)));
-/// assert_eq!(crossings(&ray(3.0), &[a, b, c, d], [[a, b, d], [b, c, d]]), Some(Crossings::Exactly(0)));
+/// let (rim, patch) = ([[a, b], [b, c], [c, d], [d, a]], [[a, b, d], [b, c, d]]);
+/// assert_eq!(crossings(&ray(0.0), rim, patch), Some(Crossings::Exactly(1)));
+/// assert_eq!(crossings(&ray(3.0), rim, patch), Some(Crossings::Exactly(0)));
 /// ```
 #[must_use]
-pub fn crossings(ray: &Ray, rim: &[Vec3], patch: impl IntoIterator<Item = [Vec3; 3]>) -> Option<Crossings> {
+pub fn crossings(
+    ray: &Ray,
+    rim: impl IntoIterator<Item = [Vec3; 2]>,
+    patch: impl IntoIterator<Item = [Vec3; 3]>,
+) -> Option<Crossings> {
     let winding = winding(ray, rim)?.unsigned_abs();
     let mut faces = [false; 2];
     for [a, b, c] in patch {
@@ -58,9 +63,9 @@ pub fn crossings(ray: &Ray, rim: &[Vec3], patch: impl IntoIterator<Item = [Vec3;
     Some(if faces == [true; 2] { Crossings::Silhouette(winding) } else { Crossings::Exactly(winding) })
 }
 
-/// How often a closed polygon winds about the line: its edges are counted that cross a half-plane which the line
+/// How often closed polygons wind about the line: their sides are counted that cross a half-plane which the line
 /// bounds (Sunday 2001).
-fn winding(ray: &Ray, rim: &[Vec3]) -> Option<i32> {
+fn winding(ray: &Ray, rim: impl IntoIterator<Item = [Vec3; 2]>) -> Option<i32> {
     let Ray { origin, direction, .. } = *ray;
     if direction == Vec3::ZERO || !direction.is_finite() || !origin.is_finite() {
         return None;
@@ -76,9 +81,8 @@ fn winding(ray: &Ray, rim: &[Vec3]) -> Option<i32> {
     };
     let side = |point: Vec3| side(direction, axis, point, origin);
     let mut winding = 0;
-    let mut from = (*rim.last()?, side(*rim.last()?));
-    for &corner in rim {
-        let to = (corner, side(corner));
+    for ends in rim {
+        let [from, to] = ends.map(|end| (end, side(end)));
         let crosses = from.1.is_gt() != to.1.is_gt();
         if crosses || from.1.is_eq() || to.1.is_eq() {
             match (volume_sign(direction, origin, from.0, to.0), to.1.is_gt()) {
@@ -88,7 +92,6 @@ fn winding(ray: &Ray, rim: &[Vec3]) -> Option<i32> {
                 _ => {}
             }
         }
-        from = to;
     }
     Some(winding)
 }
@@ -121,20 +124,21 @@ mod tests {
     }
 
     /// A roof of four triangles around its top, of a square rim.
-    fn roof(height: f32) -> ([Vec3; 4], [[Vec3; 3]; 4]) {
+    fn roof(height: f32) -> ([[Vec3; 2]; 4], [[Vec3; 3]; 4]) {
         let rim = [
             Vec3::new(-1.0, -1.0, 0.0),
             Vec3::new(1.0, -1.0, 0.0),
             Vec3::new(1.0, 1.0, 0.0),
             Vec3::new(-1.0, 1.0, 0.0),
         ];
-        (rim, std::array::from_fn(|side| [Vec3::Z * height, rim[side], rim[(side + 1) % 4]]))
+        let sides = std::array::from_fn(|side| [rim[side], rim[(side + 1) % 4]]);
+        (sides, sides.map(|[from, to]| [Vec3::Z * height, from, to]))
     }
 
     #[test]
     fn what_faces_the_line_alike_is_crossed_once() {
         let (rim, roof) = roof(2.0);
-        let down = |x, y| crossings(&ray(Vec3::new(x, y, 9.0), Vec3::NEG_Z), &rim, roof);
+        let down = |x, y| crossings(&ray(Vec3::new(x, y, 9.0), Vec3::NEG_Z), rim, roof);
         assert_eq!(down(0.0, 0.0), Some(Crossings::Exactly(1)));
         assert_eq!(down(0.5, 0.5), Some(Crossings::Exactly(1)));
         assert_eq!(down(0.25, -0.5), Some(Crossings::Exactly(1)));
@@ -145,10 +149,10 @@ mod tests {
     #[test]
     fn tops_seen_from_beside_are_silhouettes() {
         let (rim, roof) = roof(2.0);
-        let level = |z| crossings(&ray(Vec3::new(-9.0, 0.25, z), Vec3::X), &rim, roof);
+        let level = |z| crossings(&ray(Vec3::new(-9.0, 0.25, z), Vec3::X), rim, roof);
         assert_eq!(level(2.0), Some(Crossings::Silhouette(0)));
         assert_eq!(level(1.0), Some(Crossings::Silhouette(0)), "twice, from both sides");
-        let slanted = crossings(&ray(Vec3::new(-9.0, 0.25, 1.0), Vec3::new(9.0, 0.0, -1.0)), &rim, roof);
+        let slanted = crossings(&ray(Vec3::new(-9.0, 0.25, 1.0), Vec3::new(9.0, 0.0, -1.0)), rim, roof);
         assert_eq!(slanted, Some(Crossings::Silhouette(1)));
         assert!(Crossings::Silhouette(1).allows(3) && !Crossings::Silhouette(1).allows(2));
         assert!(Crossings::Silhouette(0).allows(2) && !Crossings::Exactly(1).allows(2));
@@ -157,6 +161,6 @@ mod tests {
     #[test]
     fn a_line_without_direction_has_no_crossings() {
         let (rim, roof) = roof(2.0);
-        assert_eq!(crossings(&ray(Vec3::ZERO, Vec3::ZERO), &rim, roof), None);
+        assert_eq!(crossings(&ray(Vec3::ZERO, Vec3::ZERO), rim, roof), None);
     }
 }

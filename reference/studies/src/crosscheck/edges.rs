@@ -4,11 +4,12 @@
 //! scene whether it hits the one of the patch.
 
 use crate::accuracy::contest::{Contestant, Format};
-use crate::accuracy::exactly_one::{Case, Counts, Place, SurfaceSuite, case, counter};
+use crate::accuracy::exactly_one::{Counts, counter};
 use saarcor_model::host::{Edges, Kernel};
 use saarcor_model::rays::Ray;
 use saarcor_oracles::embree::{Embree, EmbreeError, Hit};
 use saarcor_oracles::exact::crossings::Crossings;
+use saarcor_oracles::surfaces::{Case, Place, SurfaceSuite, case};
 use serde::Serialize;
 
 /// Most scenes: triangles at a vertex of more are left out.
@@ -34,14 +35,10 @@ pub struct EdgesReport {
 /// For each triangle its scene, none for those for which there is none.
 fn scenes(place: &Place) -> Vec<Option<usize>> {
     let surface = &place.surface;
-    let mut around: Vec<Vec<u32>> = vec![Vec::new(); surface.vertices.len()];
-    for (corners, number) in surface.triangles.iter().zip(0..) {
-        corners.iter().for_each(|&vertex| around[vertex as usize].push(number));
-    }
     let mut scenes: Vec<Option<usize>> = vec![None; surface.triangles.len()];
     for (number, corners) in surface.triangles.iter().enumerate() {
         let mut taken = [false; MOST_SCENES];
-        for &other in corners.iter().flat_map(|&vertex| &around[vertex as usize]) {
+        for &other in corners.iter().flat_map(|&vertex| surface.around(vertex)) {
             if let Some(scene) = scenes[other as usize] {
                 taken[scene] = true;
             }
@@ -66,10 +63,12 @@ pub fn hits_at_edges(
     let places = std::slice::from_ref(place);
     let asked: Vec<Case> =
         (0..rays).filter_map(|number| case(SurfaceSuite::ExactlyOne, places, seed, number)).collect();
-    let patch = |case: &Case| &surface.patches[case.patch].triangles;
     let can_be_asked = |case: &&Case| {
-        matches!(case.truth, Crossings::Exactly(_))
-            && patch(case).iter().all(|&triangle| scenes[triangle as usize].is_some())
+        let mut taken: Vec<_> = case.triangles.iter().map(|&triangle| scenes[triangle as usize]).collect();
+        taken.sort_unstable();
+        let all = taken.len();
+        taken.dedup();
+        matches!(case.truth, Crossings::Exactly(_)) && taken.len() == all && !taken.contains(&None)
     };
     let cases: Vec<&Case> = asked.iter().filter(can_be_asked).collect();
     // Of each case, hits by either flag; none where another triangle is in front.
@@ -78,8 +77,9 @@ pub fn hits_at_edges(
         let members: Vec<u32> = (0..surface.triangles.len() as u32)
             .filter(|&number| scenes[number as usize] == Some(scene))
             .collect();
-        let in_scene =
-            |case: &Case| patch(case).iter().copied().find(|&number| scenes[number as usize] == Some(scene));
+        let in_scene = |case: &Case| {
+            case.triangles.iter().copied().find(|&number| scenes[number as usize] == Some(scene))
+        };
         let meant: Vec<(usize, u32)> =
             cases.iter().enumerate().filter_map(|(place, case)| Some((place, in_scene(case)?))).collect();
         if meant.is_empty() {
@@ -105,7 +105,7 @@ pub fn hits_at_edges(
     let mut report = EdgesReport { scene: place.name.clone(), rays, ..EdgesReport::default() };
     for (case, hits) in cases.iter().zip(hits) {
         let [Some(robust), Some(fast)] = hits else { continue };
-        report.model += Counts::of(case.truth, model(&case.ray, patch(case)));
+        report.model += Counts::of(case.truth, model(&case.ray, &case.triangles));
         report.embree_robust += Counts::of(case.truth, robust);
         report.embree_fast += Counts::of(case.truth, fast);
     }

@@ -1,18 +1,16 @@
 //! Surfaces of triangles, by what meets at each edge and vertex.
 
 use glam::Vec3;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::f32::consts::{PI, TAU};
 
-/// What meets at an edge or a vertex that has triangles all around, consistently wound.
+/// Triangles of a surface, and where they end.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Patch {
-    /// The ends of the edge, or the vertex twice.
-    pub at: [u32; 2],
-    /// The corners around it, in order.
-    pub rim: Vec<u32>,
-    /// The triangles, by their places in [`Surface::triangles`].
+    /// The triangles, by their places in [`Surface::triangles`], in ascending order.
     pub triangles: Vec<u32>,
+    /// Their sides, from vertex to vertex, without pairs of opposite ones: where two triangles that are wound alike meet.
+    pub rim: Vec<[u32; 2]>,
 }
 
 /// A surface. Corners at the same place are one vertex, and triangles that thereby have no three corners are left out.
@@ -22,11 +20,14 @@ pub struct Surface {
     pub vertices: Vec<Vec3>,
     /// Corners of each triangle.
     pub triangles: Vec<[u32; 3]>,
-    /// What meets at the edges and vertices around which the surface is closed.
-    pub patches: Vec<Patch>,
-    /// Edges and vertices around which it is not: they have a boundary, triangles wound against one another, or more than
-    /// two triangles at an edge.
+    /// The edges around which the surface is closed, by their ends.
+    pub edges: Vec<[u32; 2]>,
+    /// The vertices around which it is.
+    pub inner: Vec<u32>,
+    /// Edges and vertices around which it is not: there is a boundary, or triangles are wound against one another.
     pub open: usize,
+    /// The triangles around each vertex.
+    around: Vec<Vec<u32>>,
 }
 
 impl Surface {
@@ -43,8 +44,24 @@ impl Surface {
         };
         let triangles = corners.iter().map(|corners| corners.map(&mut number));
         let triangles: Vec<_> = triangles.filter(|[a, b, c]| a != b && b != c && c != a).collect();
-        let (patches, open) = patches(vertices.len(), &triangles);
-        Self { vertices, triangles, patches, open }
+        let mut around = vec![Vec::new(); vertices.len()];
+        for (corners, number) in triangles.iter().zip(0..) {
+            corners.iter().for_each(|&vertex| around[vertex as usize].push(number));
+        }
+        let mut edges: Vec<_> = triangles.iter().flat_map(sides).map(|[p, q]| [p.min(q), p.max(q)]).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        let (sides, ends) = (edges.len() + vertices.len(), rim(triangles.iter().flat_map(sides)));
+        let (mut open_edges, mut is_open) = (HashSet::new(), vec![false; vertices.len()]);
+        for [p, q] in ends {
+            open_edges.insert([p.min(q), p.max(q)]);
+            (is_open[p as usize], is_open[q as usize]) = (true, true);
+        }
+        edges.retain(|edge| !open_edges.contains(edge));
+        let is_inner = |&vertex: &u32| !is_open[vertex as usize] && !around[vertex as usize].is_empty();
+        let inner: Vec<u32> = (0..vertices.len() as u32).filter(is_inner).collect();
+        let open = sides - edges.len() - inner.len();
+        Self { vertices, triangles, edges, inner, open, around }
     }
 
     /// The corners of a triangle.
@@ -52,50 +69,52 @@ impl Surface {
     pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
         self.triangles[triangle as usize].map(|vertex| self.vertices[vertex as usize])
     }
+
+    /// The triangles that have a vertex.
+    #[must_use]
+    pub fn around(&self, vertex: u32) -> &[u32] {
+        &self.around[vertex as usize]
+    }
+
+    /// The triangles around an edge, by its ends, or around a vertex, named twice.
+    #[must_use]
+    pub fn patch(&self, [p, q]: [u32; 2]) -> Patch {
+        let has_both = |triangle: &&u32| self.triangles[**triangle as usize].contains(&q);
+        self.of(self.around(p).iter().filter(has_both).copied().collect())
+    }
+
+    /// A patch with all triangles that touch it.
+    #[must_use]
+    pub fn grown(&self, patch: &Patch) -> Patch {
+        let corners = patch.triangles.iter().flat_map(|&triangle| self.triangles[triangle as usize]);
+        let mut triangles: Vec<u32> = corners.flat_map(|vertex| self.around(vertex)).copied().collect();
+        triangles.sort_unstable();
+        triangles.dedup();
+        self.of(triangles)
+    }
+
+    fn of(&self, triangles: Vec<u32>) -> Patch {
+        let rim = rim(triangles.iter().flat_map(|&triangle| sides(&self.triangles[triangle as usize])));
+        Patch { triangles, rim }
+    }
 }
 
-/// The patches of all edges, then of all vertices, and the number of edges and vertices that have none.
-fn patches(vertices: usize, triangles: &[[u32; 3]]) -> (Vec<Patch>, usize) {
-    // The triangle to the left of each edge, and its third corner; none where there are several.
-    let mut left: HashMap<[u32; 2], Option<(u32, u32)>> = HashMap::with_capacity(3 * triangles.len());
-    let mut around: Vec<Vec<u32>> = vec![Vec::new(); vertices];
-    for (&corners, number) in triangles.iter().zip(0..) {
-        for first in 0..3 {
-            let [from, to, third] = [0, 1, 2].map(|next| corners[(first + next) % 3]);
-            left.entry([from, to]).and_modify(|found| *found = None).or_insert(Some((number, third)));
-            around[from as usize].push(number);
-        }
-    }
-    let at = |from: u32, to: u32| left.get(&[from, to]).copied().flatten();
-    let mut edges: Vec<_> = left.keys().map(|&[from, to]| [from.min(to), from.max(to)]).collect();
-    edges.sort_unstable();
-    edges.dedup();
-    let of_edge = |&[from, to]: &[u32; 2]| {
-        let ((one, left), (other, right)) = (at(from, to)?, at(to, from)?);
-        Some(Patch { at: [from, to], rim: vec![from, right, to, left], triangles: vec![one, other] })
+/// The sides of a triangle, as it is wound.
+fn sides(&[a, b, c]: &[u32; 3]) -> [[u32; 2]; 3] {
+    [[a, b], [b, c], [c, a]]
+}
+
+/// What is left of sides without pairs of opposite ones.
+fn rim(sides: impl Iterator<Item = [u32; 2]>) -> Vec<[u32; 2]> {
+    let mut sides: Vec<_> = sides.map(|[p, q]| ([p.min(q), p.max(q)], p < q)).collect();
+    sides.sort_unstable();
+    let of_edge = |sides: &[([u32; 2], bool)]| {
+        let ([p, q], forwards) = (sides[0].0, sides.iter().filter(|(_, forwards)| *forwards).count());
+        let backwards = sides.len() - forwards;
+        let side = if forwards > backwards { [p, q] } else { [q, p] };
+        std::iter::repeat_n(side, forwards.abs_diff(backwards))
     };
-    let of_vertex = |vertex: u32| {
-        let around = &around[vertex as usize];
-        let first = triangles[*around.first()? as usize];
-        let start = first[(first.iter().position(|&corner| corner == vertex)? + 1) % 3];
-        let (mut rim, mut found) = (vec![start], Vec::new());
-        while found.len() < around.len() {
-            let (triangle, next) = at(vertex, *rim.last()?)?;
-            at(*rim.last()?, vertex)?;
-            found.push(triangle);
-            if next == start {
-                break;
-            }
-            rim.push(next);
-        }
-        // One fan, and nothing else that touches the vertex.
-        let closed = found.len() == around.len() && found.len() == rim.len();
-        closed.then_some(Patch { at: [vertex; 2], rim, triangles: found })
-    };
-    let mut patches: Vec<Patch> = edges.iter().filter_map(of_edge).collect();
-    patches.extend((0..vertices as u32).filter_map(of_vertex));
-    let open = edges.len() + vertices - patches.len();
-    (patches, open)
+    sides.chunk_by(|one, other| one.0 == other.0).flat_map(of_edge).collect()
 }
 
 /// A grid of so many squares that closes in both directions, each square in two triangles.
@@ -217,7 +236,10 @@ mod tests {
         for triangles in [sphere([9, 5]), scanned([9, 5]), torus([8, 7]), cube(3), needles([9, 5])] {
             let surface = Surface::new(&triangles);
             let (vertices, faces) = (surface.vertices.len(), surface.triangles.len());
-            assert_eq!((surface.open, surface.patches.len()), (0, faces * 3 / 2 + vertices));
+            assert_eq!(
+                (surface.edges.len(), surface.inner.len(), surface.open),
+                (faces * 3 / 2, vertices, 0)
+            );
         }
     }
 
@@ -226,11 +248,32 @@ mod tests {
         let [a, b, c, d] = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
         let closed = [[a, c, b], [a, b, d], [b, c, d], [c, a, d]];
         assert_eq!(Surface::new(&closed).open, 0);
-        let one_missing = Surface::new(&closed[1..]);
-        assert_eq!((one_missing.open, one_missing.patches.len()), (6, 4));
+        let closed_ones = |triangles: &[[Vec3; 3]]| {
+            let Surface { edges, inner, open, .. } = Surface::new(triangles);
+            (edges.len(), inner.len(), open)
+        };
+        assert_eq!(closed_ones(&closed[1..]), (3, 1, 6));
         let [first, rest @ ..] = closed;
-        let turned = Surface::new(&[&[[first[1], first[0], first[2]]], &rest[..]].concat());
-        assert_eq!((turned.open, turned.patches.len()), (6, 4));
+        assert_eq!(closed_ones(&[&[[first[1], first[0], first[2]]], &rest[..]].concat()), (3, 1, 6));
+        // Two shells that share an edge are closed there, too.
+        let far = Vec3::new(1.0, -1.0, -1.0);
+        let other = [[a, b, far], [b, a, -d], [b, -d, far], [-d, a, far]];
+        assert_eq!(closed_ones(&[closed, other].concat()), (11, 6, 0));
+    }
+
+    #[test]
+    fn patches_end_at_their_rims() {
+        let surface = Surface::new(&cube(2));
+        let around = surface.patch([0; 2]);
+        assert_eq!(around.rim.len(), around.triangles.len());
+        assert!(around.rim.iter().all(|side| !side.contains(&0)));
+        let edge = surface.patch(surface.edges[0]);
+        assert_eq!((edge.triangles.len(), edge.rim.len()), (2, 4));
+        let mut grown = edge;
+        for _ in 0..4 {
+            grown = surface.grown(&grown);
+        }
+        assert_eq!((grown.triangles.len(), grown.rim.len()), (surface.triangles.len(), 0));
     }
 
     #[test]
