@@ -39,6 +39,30 @@ static MASKS: [u64; 12] = [
     0x5555_5555_5555_5555,
 ];
 
+/// Bits without a pattern.
+static MIXED: [u32; 10] = [
+    0x0000_0000,
+    0x007f_ffff,
+    0x812a_aaab,
+    0x0255_5555,
+    0x8333_3333,
+    0x0019_999a,
+    0x8240_0001,
+    0x017f_fffe,
+    0x8076_5432,
+    0x0312_3457,
+];
+
+/// A number from 1/8 to 32, of either sign, of bits of an f32 without most of the exponent.
+fn between(bits: u32) -> f32 {
+    f32::from_bits(bits & 0x807f_ffff | (124 + (bits >> 23 & 7)) << 23)
+}
+
+/// 2 to a power from -149 on.
+fn power_of_two(power: i32) -> f32 {
+    2.0_f64.powi(power) as f32
+}
+
 fn distance(s: &mut impl Source, name: &'static str) -> f32 {
     f32::from_bits(s.value(name, 0..=u32::MAX, &DISTANCES))
 }
@@ -105,6 +129,33 @@ theorems! {
         check_eq!(cell.count(), count, "rays of {mask:#x}");
         check_eq!(cell.any(), count > 0, "any ray of {mask:#x}");
         check_eq!(cell.first(), first, "the first ray of {mask:#x}");
+    }
+
+    /// The distance to a plane, widened, holds every f32 at which a hit in that plane may be reported: within 2 u of the true distance,
+    /// u = 2^-24, or within half of the least f32.
+    #["KD-3", not_for_kani "it divides in floating point", covers ["less than the true one", "greater", "behind the origin", "denormal"]]
+    fn widened_distances_hold_every_hit(s) {
+        let plane = between(s.value("bits of the plane", 0..=u32::MAX, &MIXED));
+        let origin = between(s.value("bits of the origin", 0..=u32::MAX, &MIXED));
+        let power = s.value("exponent of the direction + 150", 0..=280, &[30, 150, 276_u32]) as i32 - 150;
+        let direction = between(s.value("bits of the direction", 0..=u32::MAX, &MIXED)) * power_of_two(power);
+        let reach = (plane - origin).abs();
+        let found = (plane - origin) * reciprocal(direction, reach);
+        assume!(found.is_finite() && direction != 0.0);
+        // Off by 2 of 2^53, which is nothing here.
+        let right = (f64::from(plane) - f64::from(origin)) / f64::from(direction);
+        let least = f64::from(f32::from_bits(1));
+        let off = (right.abs() / f64::from(1 << 23)).max(least / 2.0) * (1.0 - 2.0_f64.powi(-20));
+        cover!(s, "less than the true one", f64::from(found) < right);
+        cover!(s, "greater", f64::from(found) > right);
+        cover!(s, "behind the origin", found < 0.0);
+        cover!(s, "denormal", found.is_subnormal());
+        let [first, last] = [right - off, right + off];
+        // The first and the last f32 between.
+        let first = if f64::from(first as f32) < first { (first as f32).next_up() } else { first as f32 };
+        let last = if f64::from(last as f32) > last { (last as f32).next_down() } else { last as f32 };
+        let (low, high) = widen(found);
+        check!(low <= first && last <= high, "{plane:e} from {origin:e} along {direction:e}: {low:e} to {high:e}, where hits are at {first:e} to {last:e}");
     }
 
     /// A distance is widened to both sides by 6 u of it, u = 2^-24, rounded to the nearest f32, and then by twice
