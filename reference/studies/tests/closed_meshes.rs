@@ -8,7 +8,7 @@
 
 use glam::Vec3;
 use rayon::prelude::*;
-use saarcor_model::host::{HostImage, Kernel, Material, Scene, Triangle};
+use saarcor_model::host::{Edges, HostImage, Kernel, Material, Scene, Triangle};
 use saarcor_model::rays::{Query, Ray};
 use saarcor_oracles::bvh::Bvh;
 use saarcor_scenes::Random;
@@ -162,7 +162,7 @@ impl Mesh {
         };
         let cases: Vec<Case> = rays.par_iter().step_by(IN_ALL_FORMATS).map(case).collect();
         let in_format = |contestant: Contestant| {
-            let lost = contestant.run(&cases, 1).0.into_iter().filter(Option::is_none).count();
+            let lost = contestant.run(&cases, Edges::Shared, 1).0.into_iter().filter(Option::is_none).count();
             (contestant, lost)
         };
         let kernels = Kernel::ALL.into_iter().map(in_tree).collect();

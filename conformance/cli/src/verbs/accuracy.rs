@@ -71,7 +71,7 @@ pub struct Args {
     /// the distances may be off
     #[arg(long, value_name = "WRONG[,ULP]", requires = "scene", conflicts_with = "suite")]
     budget: Option<Budget>,
-    /// Whose an edge or a vertex is that several triangles have; only the suites of edges and vertices ask for it
+    /// Whose an edge or a vertex is that several triangles have
     #[arg(long, value_parser = choice(EDGES), default_value = name_of(EDGES, &Edges::Shared))]
     edges: Edges,
     #[command(flatten)]
@@ -104,11 +104,6 @@ impl Args {
             );
             return self.surfaces(&surfaces, &contestants, cases, progress);
         }
-        ensure!(
-            self.edges == Edges::Shared,
-            "--edges owned is judged by the suites of edges and vertices: name one with --suite ({})",
-            name_list(SurfaceSuite::NAMES)
-        );
         ensure!(
             self.scene.is_none() || self.suite.is_empty(),
             "a suite has cases of its own: leave out --scene, or ask for one of {}",
@@ -164,7 +159,7 @@ impl Args {
     /// The suites of hard cases, their replay, or the rays of a scene.
     fn hard_cases(self, contestants: &[Contestant], cases: u64, progress: &Progress) -> Result<()> {
         if let Some(file) = &self.replay {
-            return replay_file(file, contestants);
+            return replay_file(file, contestants, self.edges);
         }
         if let Some(scene) = &self.scene {
             let budget =
@@ -172,10 +167,11 @@ impl Args {
             return self.needs(scene, budget, contestants, cases, progress);
         }
         let files = self.out.as_deref().map(Files::check).transpose()?;
-        let extent = MeasureOptions { seed: self.seed, cases, repeats: REPEATS };
+        let extent = MeasureOptions { seed: self.seed, cases, repeats: REPEATS, edges: self.edges };
         let suites: Vec<&Suite> = SUITES.iter().filter(|suite| self.asks_for(suite)).collect();
         let mut rows = Vec::new();
         let mut out = Stdout::new();
+        let owned = if self.edges == Edges::Owned { ", with owned edges" } else { "" };
         for suite in &suites {
             let suite_rows = progress.during(&format!("{}: {cases} cases", suite.name), |report| {
                 measure(suite, contestants, extent, report)
@@ -184,7 +180,7 @@ impl Args {
                 suite_rows.iter().try_for_each(|row| json_line(&mut out, row))?;
                 out.flush()?;
             } else {
-                out.line(format_args!("{}: {}", suite.name, suite.idea))?;
+                out.line(format_args!("{}: {}{owned}", suite.name, suite.idea))?;
                 out.line(rows_table(&suite_rows))?;
                 out.line("")?;
                 out.flush()?;
@@ -221,11 +217,11 @@ impl Args {
         rays: u64,
         progress: &Progress,
     ) -> Result<()> {
-        let options = WorldOptions { kernel: scene::KERNEL, ..scene.world()? };
+        let options = WorldOptions { kernel: scene::KERNEL, edges: self.edges, ..scene.world()? };
         let world = World::open(&options, progress)?;
         let rows = progress.during(&format!("{scene}: {rays} rays"), |_| {
             let cases = scene::cases(&world, rays, self.seed)?;
-            Ok::<_, StudyError>(scene::rows(&cases, contestants, REPEATS))
+            Ok::<_, StudyError>(scene::rows(&cases, contestants, self.edges, REPEATS))
         })?;
         let mut out = Stdout::new();
         if self.json {
@@ -393,20 +389,20 @@ impl Files {
 }
 
 /// Prints each case of a file with the exact answer and those of the contestants.
-fn replay_file(file: &std::path::Path, contestants: &[Contestant]) -> Result<()> {
+fn replay_file(file: &std::path::Path, contestants: &[Contestant], edges: Edges) -> Result<()> {
     let text =
         std::fs::read_to_string(file).with_context(|| format!("{}: cannot be read", file.display()))?;
     let records = read(&text).with_context(|| file.display().to_string())?;
     let mut out = Stdout::new();
     for record in records {
-        lines(&record, contestants).iter().try_for_each(|line| out.line(line))?;
+        lines(&record, contestants, edges).iter().try_for_each(|line| out.line(line))?;
     }
     out.finish()
 }
 
 /// A record, the exact answer, and that of each contestant, a line each.
-fn lines(record: &Record, contestants: &[Contestant]) -> Vec<String> {
-    let replayed = replay::replay(record, contestants);
+fn lines(record: &Record, contestants: &[Contestant], edges: Edges) -> Vec<String> {
+    let replayed = replay::replay(record, contestants, edges);
     let exact: Vec<_> = replayed.truth.0.iter().map(place).collect();
     let exact = if exact.is_empty() { "nothing".to_owned() } else { exact.join(", ") };
     let answers = replayed.answers.iter().map(|(contestant, found, fault)| {

@@ -1,9 +1,10 @@
 //! A ray against a few triangles, and the exact answer.
 
 use glam::Vec3;
+use saarcor_model::host::Edges;
 use saarcor_model::rays::Ray;
 use saarcor_oracles::exact::rational::nearest_f64;
-use saarcor_oracles::exact::{closest, solve};
+use saarcor_oracles::exact::{closest, is_owned_hit, solve};
 
 /// A ray and the triangles that it is tested against.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,10 +32,12 @@ pub struct Found {
 pub struct Truth(pub Vec<Found>);
 
 impl Truth {
-    /// The exact answer to a case.
+    /// The exact answer to a case, by the rule for edges and vertices.
     #[must_use]
-    pub fn of(case: &Case) -> Self {
-        let numbered = (0..).zip(case.triangles.iter().copied());
+    pub fn of(case: &Case, edges: Edges) -> Self {
+        let has =
+            |(_, corners): &(u32, [Vec3; 3])| edges == Edges::Shared || is_owned_hit(&case.ray, corners);
+        let numbered = (0..).zip(case.triangles.iter().copied()).filter(has);
         let Some(first) = closest(&case.ray, numbered) else { return Self(Vec::new()) };
         let found = first.triangles.into_iter().filter_map(|(triangle, _)| {
             let point = solve(&case.ray, &case.triangles[triangle as usize])?;

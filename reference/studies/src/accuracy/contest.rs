@@ -76,28 +76,33 @@ impl Contestant {
         Kernel::ALL.into_iter().flat_map(formats).filter(exists).collect()
     }
 
-    /// The contestant's answer to each case, and the seconds of one thread for all: the least of
+    /// The contestant's answer to each case by the rule for edges, and the seconds of one thread for all: the least of
     /// `repeats` runs, without the preparation of rays and triangles.
     #[must_use]
-    pub fn run(self, cases: &[Case], repeats: u32) -> (Vec<Option<Found>>, f64) {
+    pub fn run(self, cases: &[Case], edges: Edges, repeats: u32) -> (Vec<Option<Found>>, f64) {
         match self.format {
-            _ if self.kernel == Kernel::Adaptive => run_adaptive(cases, repeats),
-            Format::F64 => run_kernel::<Double>(self.kernel, cases, repeats),
-            Format::F32 => run_kernel::<f32>(self.kernel, cases, repeats),
-            Format::F24 => run_kernel::<F24>(self.kernel, cases, repeats),
-            Format::Bf16 => run_kernel::<Bf16>(self.kernel, cases, repeats),
-            Format::F16 => run_kernel::<F16>(self.kernel, cases, repeats),
+            _ if self.kernel == Kernel::Adaptive => run_adaptive(cases, edges, repeats),
+            Format::F64 => run_kernel::<Double>(self.kernel, cases, edges, repeats),
+            Format::F32 => run_kernel::<f32>(self.kernel, cases, edges, repeats),
+            Format::F24 => run_kernel::<F24>(self.kernel, cases, edges, repeats),
+            Format::Bf16 => run_kernel::<Bf16>(self.kernel, cases, edges, repeats),
+            Format::F16 => run_kernel::<F16>(self.kernel, cases, edges, repeats),
         }
     }
 }
 
-fn run_kernel<R: formats::Format>(kernel: Kernel, cases: &[Case], repeats: u32) -> (Vec<Option<Found>>, f64) {
+fn run_kernel<R: formats::Format>(
+    kernel: Kernel,
+    cases: &[Case],
+    edges: Edges,
+    repeats: u32,
+) -> (Vec<Option<Found>>, f64) {
     match kernel {
-        Kernel::MollerTrumbore => run_test::<R, EdgeTriangle<R>>(cases, repeats),
-        Kernel::Wald => run_test::<R, ProjectedTriangle<R>>(cases, repeats),
-        Kernel::Plucker => run_test::<R, PluckerTriangle<R>>(cases, repeats),
-        Kernel::Watertight => run_test::<R, WatertightTriangle<R>>(cases, repeats),
-        Kernel::Adaptive => run_adaptive(cases, repeats),
+        Kernel::MollerTrumbore => run_test::<R, EdgeTriangle<R>>(cases, edges, repeats),
+        Kernel::Wald => run_test::<R, ProjectedTriangle<R>>(cases, edges, repeats),
+        Kernel::Plucker => run_test::<R, PluckerTriangle<R>>(cases, edges, repeats),
+        Kernel::Watertight => run_test::<R, WatertightTriangle<R>>(cases, edges, repeats),
+        Kernel::Adaptive => run_adaptive(cases, edges, repeats),
     }
 }
 
@@ -140,6 +145,17 @@ impl<P, T, H: Copy> Prepared<P, T, H> {
 /// The nearest hit within the ray's range; of two at the same distance the first (IS-2).
 fn run_test<R: formats::Format, T: TriangleTest<R>>(
     cases: &[Case],
+    edges: Edges,
+    repeats: u32,
+) -> (Vec<Option<Found>>, f64) {
+    match edges {
+        Edges::Shared => run_test_of::<R, T, false>(cases, repeats),
+        Edges::Owned => run_test_of::<R, T, true>(cases, repeats),
+    }
+}
+
+fn run_test_of<R: formats::Format, T: TriangleTest<R>, const OWNED: bool>(
+    cases: &[Case],
     repeats: u32,
 ) -> (Vec<Option<Found>>, f64) {
     let ray = |ray: &Ray| {
@@ -150,7 +166,7 @@ fn run_test<R: formats::Format, T: TriangleTest<R>>(
     let seconds = prepared.timed(repeats, |(ray, t_min, t_max), triangles| {
         let mut nearest: Option<(u32, Candidate<R>)> = None;
         for (place, triangle) in (0..).zip(triangles) {
-            let found = triangle.intersect::<false>(ray);
+            let found = triangle.intersect::<OWNED>(ray);
             let hit = found.inside & (found.t >= *t_min) & (found.t < *t_max);
             if hit && nearest.is_none_or(|(_, nearest)| found.t < nearest.t) {
                 nearest = Some((place, found));
@@ -169,12 +185,12 @@ fn run_test<R: formats::Format, T: TriangleTest<R>>(
 }
 
 /// [`run_test`] by the adaptive test, which decides the order of hits itself.
-fn run_adaptive(cases: &[Case], repeats: u32) -> (Vec<Option<Found>>, f64) {
+fn run_adaptive(cases: &[Case], edges: Edges, repeats: u32) -> (Vec<Option<Found>>, f64) {
     let mut prepared = Prepared::new(cases, AdaptiveRay::new, AdaptiveTriangle::new);
     let seconds = prepared.timed(repeats, |ray, triangles| {
         let mut nearest: Option<(u32, AdaptiveHit)> = None;
         for (place, triangle) in (0..).zip(triangles) {
-            let Some(hit) = triangle.intersect(Edges::Shared, ray) else { continue };
+            let Some(hit) = triangle.intersect(edges, ray) else { continue };
             let nearer = |(_, nearest): &(u32, AdaptiveHit)| hit.order(nearest, ray.ray()) == Ordering::Less;
             if nearest.as_ref().is_none_or(nearer) {
                 nearest = Some((place, hit));

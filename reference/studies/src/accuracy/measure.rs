@@ -3,8 +3,9 @@
 use super::case::{Case, Found, Truth, ulp};
 use super::contest::Contestant;
 use super::suites::Suite;
-use crate::names::kernel_name;
+use crate::names::{EDGES, kernel_name, name_of};
 use rayon::prelude::*;
+use saarcor_model::host::Edges;
 use serde::Serialize;
 use std::ops::Range;
 
@@ -125,6 +126,8 @@ pub struct AccuracyRow {
     pub kernel: &'static str,
     /// Name of the format.
     pub format: &'static str,
+    /// Name of the rule for edges and vertices.
+    pub edges: &'static str,
     /// Name of the suite.
     pub suite: &'static str,
     /// Cases.
@@ -190,6 +193,8 @@ pub struct MeasureOptions {
     pub cases: u64,
     /// Runs of which the fastest counts.
     pub repeats: u32,
+    /// The rule for edges and vertices.
+    pub edges: Edges,
 }
 
 /// A row for each contestant on a suite. `report` learns the part that is done, 0 to 1.
@@ -208,13 +213,13 @@ pub fn measure(
     let chunk = |&chunk: &u64| {
         let numbers = chunk * CHUNK..extent.cases.min((chunk + 1) * CHUNK);
         let cases: Vec<_> = numbers.clone().map(|number| suite.case(extent.seed, number)).collect();
-        let tallies = tallies(numbers, &cases, contestants, extent.repeats);
+        let tallies = tallies(numbers, &cases, contestants, extent.edges, extent.repeats);
         let before = done.fetch_add(cases.len() as u64, std::sync::atomic::Ordering::Relaxed);
         report((before + cases.len() as u64) as f64 / extent.cases as f64);
         (tests(&cases), tallies)
     };
     let chunks: Vec<(u64, Vec<Tally>)> = chunks.par_iter().map(chunk).collect();
-    rows(contestants, extent.cases, (suite.name, suite.closed), chunks)
+    rows(contestants, extent.cases, extent.edges, (suite.name, suite.closed), chunks)
 }
 
 /// A row for each contestant on the cases of a scene's own rays, `name`d after it.
@@ -223,14 +228,15 @@ pub fn measure_cases(
     name: &'static str,
     cases: &[Case],
     contestants: &[Contestant],
+    edges: Edges,
     repeats: u32,
 ) -> Vec<AccuracyRow> {
     let chunk = |(place, cases): (usize, &[Case])| {
         let first = place as u64 * CHUNK;
-        (tests(cases), tallies(first..first + cases.len() as u64, cases, contestants, repeats))
+        (tests(cases), tallies(first..first + cases.len() as u64, cases, contestants, edges, repeats))
     };
     let chunks: Vec<_> = cases.par_chunks(CHUNK as usize).enumerate().map(chunk).collect();
-    rows(contestants, cases.len() as u64, (name, false), chunks)
+    rows(contestants, cases.len() as u64, edges, (name, false), chunks)
 }
 
 fn tests(cases: &[Case]) -> u64 {
@@ -238,11 +244,17 @@ fn tests(cases: &[Case]) -> u64 {
 }
 
 /// The results of each contestant on the cases of these numbers.
-fn tallies(numbers: Range<u64>, cases: &[Case], contestants: &[Contestant], repeats: u32) -> Vec<Tally> {
-    let truths: Vec<_> = cases.iter().map(Truth::of).collect();
+fn tallies(
+    numbers: Range<u64>,
+    cases: &[Case],
+    contestants: &[Contestant],
+    edges: Edges,
+    repeats: u32,
+) -> Vec<Tally> {
+    let truths: Vec<_> = cases.iter().map(|case| Truth::of(case, edges)).collect();
     let tests = tests(cases).max(1) as f64;
     let tally = |contestant: &Contestant| {
-        let (found, seconds) = contestant.run(cases, repeats);
+        let (found, seconds) = contestant.run(cases, edges, repeats);
         let mut tally = Tally::new(numbers.clone(), &truths, &found);
         tally.times.push(seconds * 1e9 / tests);
         tally
@@ -254,6 +266,7 @@ fn tallies(numbers: Range<u64>, cases: &[Case], contestants: &[Contestant], repe
 fn rows(
     contestants: &[Contestant],
     cases: u64,
+    edges: Edges,
     (suite, closed): (&'static str, bool),
     chunks: Vec<(u64, Vec<Tally>)>,
 ) -> Vec<AccuracyRow> {
@@ -269,6 +282,7 @@ fn rows(
         AccuracyRow {
             kernel: kernel_name(contestant.kernel),
             format: contestant.format.name(),
+            edges: name_of(EDGES, &edges),
             suite,
             cases,
             tests,

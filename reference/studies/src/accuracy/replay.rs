@@ -6,6 +6,7 @@ use super::measure::{AccuracyRow, Fault};
 use super::suites::Suite;
 use crate::error::StudyError;
 use glam::Vec3;
+use saarcor_model::host::Edges;
 use saarcor_model::rays::Ray;
 use serde::{Deserialize, Serialize};
 
@@ -88,13 +89,13 @@ pub struct ReplayedCase {
     pub answers: Vec<(Contestant, Option<Found>, Option<Fault>)>,
 }
 
-/// Asks each contestant about a recorded case.
+/// Asks each contestant about a recorded case, by the rule for edges.
 #[must_use]
-pub fn replay(record: &Record, contestants: &[Contestant]) -> ReplayedCase {
+pub fn replay(record: &Record, contestants: &[Contestant], edges: Edges) -> ReplayedCase {
     let case = record.case();
-    let truth = Truth::of(&case);
+    let truth = Truth::of(&case, edges);
     let answer = |&contestant: &Contestant| {
-        let found = contestant.run(std::slice::from_ref(&case), 1).0[0];
+        let found = contestant.run(std::slice::from_ref(&case), edges, 1).0[0];
         (contestant, found, Fault::of(found.as_ref(), &truth))
     };
     let answers = contestants.iter().map(answer).collect();

@@ -8,7 +8,7 @@ use crate::world::World;
 use glam::Vec3;
 use rayon::prelude::*;
 use saarcor_fast::adaptive::FilteredIntersection;
-use saarcor_model::host::{Kernel, TRIANGLE_BYTES};
+use saarcor_model::host::{Edges, Kernel, TRIANGLE_BYTES};
 use saarcor_model::rays::{Frame, Hits, Packet, Query, Ray, Traversal};
 use saarcor_model::vm::{HostAddr, Observed, Observer, Unit, WholeScene};
 use saarcor_scenes::Random;
@@ -108,8 +108,8 @@ pub const KERNEL: Kernel = Kernel::Adaptive;
 
 /// A row for each contestant on the scene's rays, the cheapest first: fewest bits, then least time.
 #[must_use]
-pub fn rows(cases: &[Case], contestants: &[Contestant], repeats: u32) -> Vec<AccuracyRow> {
-    let mut rows = measure_cases("scene", cases, contestants, repeats);
+pub fn rows(cases: &[Case], contestants: &[Contestant], edges: Edges, repeats: u32) -> Vec<AccuracyRow> {
+    let mut rows = measure_cases("scene", cases, contestants, edges, repeats);
     rows.sort_by(|a, b| {
         let bits = |row: &AccuracyRow| row.contestant().format.bits();
         bits(a).cmp(&bits(b)).then(a.ns_per_test.total_cmp(&b.ns_per_test))
@@ -137,7 +137,8 @@ const SEED: u64 = 1;
 /// If there is none, or the scene has no path.
 pub fn cheapest(world: &World, budget: Budget) -> Result<(Kernel, AccuracyRow), StudyError> {
     let contestants = BY_COST.map(|kernel| Contestant { kernel, format: Format::F32 });
-    let rows = measure_cases("scene", &cases(world, RAYS, SEED)?, &contestants, 1);
+    let cases = cases(world, RAYS, SEED)?;
+    let rows = measure_cases("scene", &cases, &contestants, world.image.registers.edges, 1);
     let mut tests = BY_COST.into_iter().zip(rows);
     let enough = tests.find(|(_, row)| budget.holds(row));
     enough.ok_or_else(|| StudyError::OverBudget { scene: world.name.clone() })

@@ -21,13 +21,26 @@ const FEW: u64 = 2_000;
 const MANY: u64 = 100_000;
 
 fn rows(suite: &'static Suite, kernel: Kernel, format: Format, seed: u64, cases: u64) -> AccuracyRow {
-    let extent = MeasureOptions { seed, cases, repeats: 1 };
+    rows_by(Edges::Shared, suite, kernel, format, seed, cases)
+}
+
+fn rows_by(
+    edges: Edges,
+    suite: &'static Suite,
+    kernel: Kernel,
+    format: Format,
+    seed: u64,
+    cases: u64,
+) -> AccuracyRow {
+    let extent = MeasureOptions { seed, cases, repeats: 1, edges };
     measure(suite, &[Contestant { kernel, format }], extent, &|_| {}).remove(0)
 }
 
 fn adaptive_is_never_wrong(seed: u64, cases: u64) {
-    for suite in &SUITES {
-        let row = rows(suite, Kernel::Adaptive, Format::F32, seed, cases);
+    for (suite, edges) in
+        SUITES.iter().flat_map(|suite| [Edges::Shared, Edges::Owned].map(|edges| (suite, edges)))
+    {
+        let row = rows_by(edges, suite, Kernel::Adaptive, Format::F32, seed, cases);
         assert_eq!(
             (row.wrong_hit, row.wrong_miss, row.wrong_triangle, row.leaks),
             (0, 0, 0, 0),
@@ -56,8 +69,10 @@ fn adaptive_is_never_wrong_in_long_runs() {
 fn watertight_does_not_leak(cases: u64) {
     for suite in SUITES.iter().filter(|suite| suite.closed) {
         for format in Format::ALL {
-            let row = rows(suite, Kernel::Watertight, format, 1, cases);
-            assert_eq!(row.leaks, 0, "{} {}", row.suite, row.format);
+            for edges in [Edges::Shared, Edges::Owned] {
+                let row = rows_by(edges, suite, Kernel::Watertight, format, 1, cases);
+                assert_eq!(row.leaks, 0, "{} {} {}", row.suite, row.format, row.edges);
+            }
         }
     }
 }
@@ -175,7 +190,7 @@ where
                 let found = T::new(corners).intersect::<false>(&T::ray(origin, direction));
                 let bound = bounded(corners).intersect::<false>(&B::ray(origin, direction)).t.error;
                 let alone = Case { triangles: vec![*corners], ..case.clone() };
-                let truth = Truth::of(&alone);
+                let truth = Truth::of(&alone, Edges::Shared);
                 if let Some(truth) = truth.0.first().filter(|_| found.inside && bound.is_finite()) {
                     let error = (found.t.to_f64() - truth.t).abs();
                     // The true distance is itself rounded to f64.
@@ -243,7 +258,7 @@ fn adaptive_stays_in_bound(cases: u64) {
             for corners in &case.triangles {
                 let triangle = AdaptiveTriangle::new(corners);
                 let Some(found) = triangle.intersect(Edges::Shared, &ray) else { continue };
-                let truth = Truth::of(&Case { triangles: vec![*corners], ..case.clone() });
+                let truth = Truth::of(&Case { triangles: vec![*corners], ..case.clone() }, Edges::Shared);
                 let truth = truth.0.first().expect("the adaptive test is never wrong");
                 let (error, bound) =
                     ((found.t - truth.t).abs(), found.t_error + truth.t.abs() * f64::EPSILON);
@@ -291,7 +306,7 @@ fn judge_agrees_with_fractions(cases: u64) {
     let output = String::from_utf8(output.stdout).expect("text");
     assert_eq!(output.lines().count(), cases.len());
     for ((suite, number), line) in cases.iter().zip(output.lines()) {
-        let truth = Truth::of(&suite.case(42, *number));
+        let truth = Truth::of(&suite.case(42, *number), Edges::Shared);
         let first: Vec<_> = truth.0.iter().map(|found| found.triangle.to_string()).collect();
         let first = if first.is_empty() { "-".to_owned() } else { first.join(",") };
         let t = truth.0.first().map_or("-".to_owned(), |found| python_hex(found.t));

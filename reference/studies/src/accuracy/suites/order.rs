@@ -3,6 +3,7 @@
 use super::{Suite, at, point, towards, triangle};
 use crate::accuracy::case::{Case, Truth};
 use glam::Vec3;
+use saarcor_model::host::Edges;
 use saarcor_model::rays::Ray;
 
 /// A range that begins or ends at the f32 nearest to the hit's distance, or at a neighbour of it.
@@ -17,7 +18,7 @@ pub(super) const RANGE_ENDS: Suite = Suite {
         let (u, v) = (random.between(0.1, 0.5), random.between(0.1, 0.5));
         let aimed = towards(random, origin, at(&corners, u, v));
         let mut case = Case { ray: aimed, triangles: vec![corners] };
-        let t = Truth::of(&case).0.first().map_or(1.0, |found| found.t as f32);
+        let t = Truth::of(&case, Edges::Shared).0.first().map_or(1.0, |found| found.t as f32);
         let end = [t, t.next_up(), t.next_down()][random.range(0, 3) as usize];
         case.ray = if random.range(0, 2) == 0 {
             Ray { t_min: end, ..case.ray }
