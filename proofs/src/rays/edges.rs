@@ -7,7 +7,9 @@ use crate::source::Source;
 use crate::{assume, check, check_eq, cover, theorems};
 use glam::Vec3;
 use saarcor_model::host::Edges;
-use saarcor_model::rays::{ExactHit, Ray, TriangleTest, WatertightTriangle};
+use saarcor_model::rays::{ExactHit, Number, Ray, TriangleTest, WatertightTriangle};
+use std::cmp::Ordering;
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Whole coordinates.
 type Point = [i64; 3];
@@ -102,7 +104,107 @@ static ACROSS: [[u32; 3]; 4] = [
     [(1 << 24) - 4097, (1 << 24) + 4097, 1 << 24],
 ];
 
+/// Whole numbers, the bits of an f32, and so small that nothing overflows: a check for that would take Kani longer than the rest. A quotient is right
+/// where the divisor is 1 or -1, and else 0: nobody asks for it.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+struct Whole(i32);
+
+macro_rules! whole {
+    ($($operation:ident :: $function:ident, |$a:ident, $b:ident| $result:expr;)*) => {$(
+        impl $operation for Whole {
+            type Output = Self;
+
+            fn $function(self, other: Self) -> Self {
+                let ($a, $b) = (self.0, other.0);
+                Self($result)
+            }
+        }
+    )*};
+}
+
+whole! {
+    Add::add, |a, b| a.wrapping_add(b);
+    Sub::sub, |a, b| a.wrapping_sub(b);
+    Mul::mul, |a, b| a.wrapping_mul(b);
+    Div::div, |a, b| if b == 1 { a } else if b == -1 { a.wrapping_neg() } else { 0 };
+}
+
+impl Neg for Whole {
+    type Output = Self;
+
+    fn neg(self) -> Self {
+        Self(self.0.wrapping_neg())
+    }
+}
+
+impl Number for Whole {
+    const ZERO: Self = Self(0);
+    const ONE: Self = Self(1);
+
+    fn from_f32(value: f32) -> Self {
+        Self(value.to_bits() as i32)
+    }
+
+    /// Of no test that is asked.
+    fn from_f64(_value: f64) -> Self {
+        Self(0)
+    }
+
+    fn abs(self) -> Self {
+        Self(self.0.abs())
+    }
+
+    fn is_finite(self) -> bool {
+        true
+    }
+
+    fn product_order(a: Self, b: Self, c: Self, d: Self) -> Ordering {
+        (a * b).0.cmp(&(c * d).0)
+    }
+}
+
+static COORDINATES: [u32; 5] = [5, 7, 8, 9, 12];
+
 theorems! {
+    /// In whole numbers, a ray along an axis that passes between the ends of an edge hits by the watertight test exactly one of two triangles on
+    /// either side of it, where edges are owned: also through the edge itself.
+    #["IS-6", unwind 6, covers ["the first", "the second", "the first, through the edge", "the second, through the edge", "an edge along an axis"]]
+    fn edge_between_whole_numbers_is_hit_from_one_side(s) {
+        let mut ends = [[0; 2]; 2];
+        for end in 0..2 {
+            for axis in 0..2 {
+                ends[end][axis] = s.value("coordinate of an end + 8", 0..=15, &COORDINATES) as i32 - 8;
+            }
+        }
+        let [p, q] = ends;
+        let apex = match s.value("direction of the first triangle", 0..=3, &WORDS[..4]) {
+            0 => [0, 8],
+            1 => [8, 0],
+            2 => [-8, -4],
+            _ => [4, -8],
+        };
+        let opposite = [-apex[0], -apex[1]];
+        let side =
+            |p: [i32; 2], q: [i32; 2]| p[0].wrapping_mul(q[1]).wrapping_sub(p[1].wrapping_mul(q[0]));
+        let (through, after, before) = (side(p, q), side(q, apex), side(apex, p));
+        // Between the ends, seen from either apex; both triangles are seen from the front.
+        assume!(after > 0 && before > 0 && through.abs() < after + before);
+        let whole = |number: i32| f32::from_bits(number as u32);
+        let corner = |[x, y]: [i32; 2]| Vec3::new(whole(x), whole(y), whole(1));
+        let ray = WatertightTriangle::<Whole>::ray([0.0; 3], [0.0, 0.0, whole(1)]);
+        let hits = |a, b, c| {
+            let test = WatertightTriangle::<Whole>::new(&[corner(a), corner(b), corner(c)]);
+            test.intersect::<true>(&ray).inside
+        };
+        let (first, second) = (hits(p, q, apex), hits(q, p, opposite));
+        cover!(s, "the first", first && through > 0);
+        cover!(s, "the second", second && through < 0);
+        cover!(s, "the first, through the edge", first && through == 0);
+        cover!(s, "the second, through the edge", second && through == 0);
+        cover!(s, "an edge along an axis", through == 0 && p[0] == q[0]);
+        check!(first != second, "{p:?} to {q:?}, {apex:?}: {first}, {second}");
+    }
+
     /// Where edges are owned, a line that meets the inside of a tetrahedron hits exactly one face where it enters and exactly
     /// one where it leaves, also at edges and vertices, and along planes of faces and edges; a line that meets nothing but the surface
     /// hits one of each, or none; in whatever order each face names its corners.
