@@ -112,6 +112,7 @@ impl PartialOrd for Counted {
 
 macro_rules! counted {
     ($($operation:ident :: $function:ident, |$a:ident, $b:ident| ($above:expr, $below:expr);)*) => {$(
+        #[allow(clippy::suspicious_arithmetic_impl, reason = "roundings of factors add up")]
         impl $operation for Counted {
             type Output = Self;
 
