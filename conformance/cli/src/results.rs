@@ -1,9 +1,11 @@
-//! Results of a sweep as lines of JSON, in the order of the grid's points, whatever order they were
-//! found in. So a file of them says by itself how far it is, a sweep that was stopped goes on where it
+//! Results of a sweep or of the frames of a walk as lines of JSON, in the order of the points, whatever order
+//! they were found in. So a file of them says by itself how far it is, a run that was stopped goes on where it
 //! was, and the parts of a grid that several machines worked on can be merged.
 
 use anyhow::{Context, Result, bail, ensure};
-use saarcor_studies::sweep::{Position, Sweep};
+use saarcor_studies::error::StudyError;
+use saarcor_studies::sweep::Position;
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::Write;
@@ -11,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// Where a line of results stands.
 fn position(line: &str) -> Result<Position> {
-    serde_json::from_str(line).context("no result of a sweep")
+    serde_json::from_str(line).context("no result of such a run")
 }
 
 /// Lines of results that grow, in memory or in a file too.
@@ -44,7 +46,7 @@ impl Results {
             let position = position(line).with_context(|| format!("{}: line {}", path.display(), i + 1))?;
             ensure!(
                 expected.get(i) == Some(&position),
-                "{}: line {}: result of another sweep; name a new file",
+                "{}: line {}: result of another run; name a new file",
                 path.display(),
                 i + 1
             );
@@ -52,7 +54,7 @@ impl Results {
         // What is cut off has to be a result that was not written to its end.
         ensure!(
             text[whole..].is_empty() || text[whole..].starts_with('{'),
-            "{}: line {}: no result of a sweep",
+            "{}: line {}: no result of such a run",
             path.display(),
             lines.len() + 1
         );
@@ -61,20 +63,20 @@ impl Results {
         Ok(Self { lines, file: Some((path.to_owned(), file)) })
     }
 
-    /// Adds the results of the points that are left, `at_a_time` of them worked on together.
+    /// Adds the results of the points that are left, `at_a_time` of them worked on together by `rows`.
     ///
     /// # Errors
-    /// Those of `sweep`, and if the file cannot be written.
-    pub fn complete(
+    /// Those of `rows`, and if the file cannot be written.
+    pub fn complete<Row: Serialize>(
         &mut self,
-        sweep: &Sweep<'_>,
         points: &[usize],
         at_a_time: usize,
+        mut rows: impl FnMut(&[usize]) -> Result<Vec<Row>, StudyError>,
         report: impl Fn(f64),
     ) -> Result<()> {
         for chunk in points[self.lines.len()..].chunks(at_a_time.max(1)) {
             report(self.lines.len() as f64 / points.len() as f64);
-            for row in sweep.rows(chunk)? {
+            for row in rows(chunk)? {
                 let line = serde_json::to_string(&row).context("result as JSON")?;
                 if let Some((path, file)) = &mut self.file {
                     // What a full disk leaves of a line is dropped when the sweep goes on.
@@ -101,7 +103,7 @@ pub fn merged(files: &[(String, String)]) -> Result<Vec<String>> {
             let first = one.get_or_insert_with(|| position.clone());
             ensure!(
                 (&position.sweep, position.points) == (&first.sweep, first.points),
-                "{name}: line {}: result of another sweep",
+                "{name}: line {}: result of another run",
                 i + 1
             );
             if all.insert(position.point, line).is_some_and(|other| other != line) {
@@ -129,7 +131,7 @@ mod tests {
         assert_eq!(whole, [line("x", 0), line("x", 1), line("x", 2)]);
         let said = |files: &[_]| merged(files).expect_err("refused").to_string();
         assert!(said(std::slice::from_ref(&a)).contains("point 1"));
-        assert!(said(&[a, b, file("c", &[line("y", 1)])]).contains("another sweep"));
+        assert!(said(&[a, b, file("c", &[line("y", 1)])]).contains("another run"));
         assert!(said(&[]).contains("no results"));
     }
 }

@@ -82,7 +82,7 @@ fn parts_of_a_sweep_are_not_replaced() {
     let notes = file("notes");
     fs::write(&notes, "one line without an end").expect("written");
     let args = [&sweep[..], &["-o", text(&notes)]].concat();
-    assert!(refusal(&run(&args), &args).contains("no result of a sweep"));
+    assert!(refusal(&run(&args), &args).contains("no result of such a run"));
     assert_eq!(fs::read_to_string(&notes).expect("text"), "one line without an end");
 }
 

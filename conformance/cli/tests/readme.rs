@@ -58,6 +58,7 @@ const COMMANDS: &[(&str, How)] = &[
     ("saarcor walk pquake3 --frames 140..150", Here("--resolution 64x48", 0)),
     ("saarcor walk pquake3 --frames 140..150 --all --svg sizes.svg", Here("--resolution 64x48", 0)),
     ("saarcor simulate conference --frame 0 --variant b", Here("--resolution 64x48", 0)),
+    ("saarcor simulate pquake3 --frames 0..40 --stride 10 --svg fps.svg", Here("--resolution 64x48", 0)),
     (
         "saarcor sweep conference --frame 0 --over line --over ways=1,4 -o rows.jsonl",
         Here("--resolution 64x48", 0),

@@ -143,8 +143,8 @@ fn results_of_another_sweep_are_refused() {
     let file = folder.path().join("results.jsonl");
     output(&["--over", "ways=1,2", "-o", text(&file)]);
     let before = fs::read(&file).expect("results");
-    refused(&["--over", "ways=1,4", "-o", text(&file)], &["line 1", "another sweep", "new file"]);
-    refused(&["--over", "ways=1,2", "--pci", "66x64", "-o", text(&file)], &["another sweep"]);
+    refused(&["--over", "ways=1,4", "-o", text(&file)], &["line 1", "another run", "new file"]);
+    refused(&["--over", "ways=1,2", "--pci", "66x64", "-o", text(&file)], &["another run"]);
     assert_eq!(fs::read(&file).expect("results"), before, "nothing is lost");
     fs::write(&file, "{}\n").expect("written");
     refused(&["--over", "ways=1,2", "-o", text(&file)], &["line 1", "no result"]);
@@ -159,11 +159,11 @@ fn a_changed_scene_is_another_sweep() {
     let before = stdout_of(&args);
     assert_eq!(stdout_of(&args), before);
     copy.replace("room.obj", "v -2 0 -3", "v -2.5 0 -3");
-    assert!(refusal_of(&args).contains("another sweep"));
+    assert!(refusal_of(&args).contains("another run"));
     fs::remove_file(&file).expect("a file");
     stdout_of(&args);
     copy.replace("camera.csv", "1,0,1.25", "1,0.1,1.25");
-    assert!(refusal_of(&args).contains("another sweep"));
+    assert!(refusal_of(&args).contains("another run"));
 }
 
 #[test]

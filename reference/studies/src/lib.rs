@@ -35,6 +35,7 @@
 //! | [`walk`] | step one of §4: the traffic of a walk through a scene |
 //! | [`hot_spots`] | the frames of a walk that are simulated on the chip |
 //! | [`simulate`] | step two of §4: a frame on the chip, cycle by cycle |
+//! | [`frames`] | the frames of a walk on the chip |
 //! | [`traffic`] | where the bytes of such a frame go |
 //! | [`sampling`] | both steps from a part of the packets, with intervals |
 //! | [`sweep`] | one frame on many chips |
@@ -51,6 +52,7 @@ pub mod caches;
 pub mod crosscheck;
 mod dispatch;
 pub mod error;
+pub mod frames;
 pub mod hot_spots;
 pub mod metadata;
 pub mod monitor;

@@ -5,6 +5,7 @@ mod auto;
 pub mod cache;
 pub mod conform;
 pub mod crosscheck;
+mod frames;
 pub mod metadata;
 pub mod prove;
 pub mod render;

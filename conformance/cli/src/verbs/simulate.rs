@@ -1,6 +1,7 @@
 //! `saarcor simulate`.
 
 use super::auto::AutoArgs;
+use super::frames::FramesArgs;
 use crate::args::{CacheArgs, ChipArgs, SceneArgs, TraceArgs, describe};
 use crate::limits::check_state;
 use crate::output::{OutFile, Stdout, json_line, write_png};
@@ -9,6 +10,7 @@ use crate::status::Status;
 use crate::table::{Column, Table};
 use crate::{sample, summary};
 use anyhow::{Result, ensure};
+use clap::ArgGroup;
 use saarcor_fast::chip::{Caches, ChipObserver, simulate_from};
 use saarcor_model::time::{ChipConfig, TimingReport, UNIT_NAMES, Version};
 use saarcor_model::vm::Bytes;
@@ -28,26 +30,23 @@ use std::path::PathBuf;
 /// Frames whose programs are kept in memory together: so many, that it stays bounded.
 const MOST_KEPT: usize = 16;
 
-/// A frame, and the chip that it is simulated on.
+/// A scene, and the chip that its frames are simulated on.
 #[derive(Clone, Debug, clap::Args)]
-pub struct FrameArgs {
+pub struct OnChipArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Frame of the scene's path
-    #[arg(long, value_name = "N")]
-    pub frame: usize,
     #[command(flatten)]
     pub chip: ChipArgs,
     #[command(flatten)]
     pub trace: TraceArgs,
     #[command(flatten)]
     pub cache: CacheArgs,
-    /// Begins with what the N frames before left in the caches, or with "walk" all frames before
+    /// A frame begins with what the N frames before left in the caches, or with "walk" all frames before
     #[arg(long, value_name = "N|walk", default_value_t = WarmUp::ONE)]
     pub warm_up: WarmUp,
 }
 
-impl FrameArgs {
+impl OnChipArgs {
     /// The chip.
     ///
     /// # Errors
@@ -63,8 +62,8 @@ impl FrameArgs {
     ///
     /// # Errors
     /// If there are more.
-    pub fn check_kept(&self) -> Result<()> {
-        let kept = self.warm_up.before(self.frame);
+    pub fn check_kept(&self, frame: usize) -> Result<()> {
+        let kept = self.warm_up.before(frame);
         ensure!(
             kept <= MOST_KEPT,
             "--warm-up: {kept} frames before are kept in memory here; at most {MOST_KEPT}"
@@ -72,17 +71,10 @@ impl FrameArgs {
         Ok(())
     }
 
-    /// The scene made ready, with a path that has the frame.
-    ///
-    /// # Errors
-    /// Those of [`World::open`].
-    pub fn world(&self, progress: &Progress) -> Result<World> {
-        Ok(World::open(&self.scene.options(Some(self.frame))?, progress)?)
-    }
-
     /// Traces the frame, and plays it on a chip whose caches the frames before have warmed, one after the other.
     fn play(
         &self,
+        frame: usize,
         world: &World,
         config: &ChipConfig,
         observer: &mut impl ChipObserver,
@@ -91,48 +83,53 @@ impl FrameArgs {
         let (options, order) = (self.trace.options(), self.chip.order);
         let empty = Caches::empty(world.image.registers.triangles, config)?;
         let caches = progress.during("trace of the frames before", |report| {
-            let before =
-                record_before(world, self.frame, self.warm_up.before(self.frame), &options, order, report);
+            let before = record_before(world, frame, self.warm_up.before(frame), &options, order, report);
             before.fold(empty, |caches, picture| caches.then_observed(&picture, observer))
         });
-        let recording = progress.during("trace", |_| record(world, self.frame, &options, order));
+        let recording = progress.during("trace", |_| record(world, frame, &options, order));
         let report = progress.during("chip", |_| simulate_from(caches, &recording.programs, observer));
         Ok((recording, report))
     }
 
     /// The frame, of which a part is worked on in full.
-    fn sampled(&self, part: SampleFraction) -> SampledFrame {
+    fn sampled(&self, frame: usize, part: SampleFraction) -> SampledFrame {
         let (trace, order) = (self.trace.options(), self.chip.order);
-        SampledFrame { frame: self.frame, warm_up: self.warm_up, trace, order, part }
+        SampledFrame { frame, warm_up: self.warm_up, trace, order, part }
     }
 }
 
-/// Step two of the paper's §4: a frame on the whole chip, cycle by cycle
+/// Step two of the paper's §4: frames on the whole chip, cycle by cycle
 #[derive(Debug, clap::Args)]
+#[command(group(ArgGroup::new("which").required(true).args(["frame", "frames"])))]
 pub struct Args {
     #[command(flatten)]
-    frame: FrameArgs,
+    on_chip: OnChipArgs,
     #[command(flatten)]
     auto: AutoArgs,
-    /// The picture, a PNG file
-    #[arg(short, long, value_name = "FILE.png")]
+    /// Frame of the scene's path
+    #[arg(long, value_name = "N")]
+    frame: Option<usize>,
+    #[command(flatten)]
+    walk: FramesArgs,
+    /// The picture, a PNG file; of --frames the rows as lines of JSON, by which a run that was stopped goes on
+    #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Works on a part of the packets in full, such as 1/8, and prints estimates with intervals of 95 %
-    #[arg(long, value_name = "F", conflicts_with = "out")]
+    #[arg(long, value_name = "F", conflicts_with_all = ["out", "frames"])]
     sample: Option<SampleFraction>,
     /// Compares each part of a line that the chip reads from the card with the bytes of the host
     ///
     /// The run carries a shadow of the card's contents. It says how many parts were compared; the
     /// first that differs is named on standard error, and the exit status is 1.
-    #[arg(long, conflicts_with = "sample")]
+    #[arg(long, conflicts_with_all = ["sample", "frames"])]
     check_bytes: bool,
     /// Writes each command of the memory chips, a CSV file
     ///
     /// Columns: clock,command,bank,row,column,beats. Clocks are those of the memory, and increase; commands are
     /// ACT, RD, WR, PRE and REF; the bank is `all` where all are meant; what a command does not have is empty.
-    #[arg(long, value_name = "FILE.csv", conflicts_with = "sample")]
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["sample", "frames"])]
     sdram_commands: Option<PathBuf>,
-    /// Prints one JSON object
+    /// Prints one JSON object a frame
     #[arg(long)]
     json: bool,
 }
@@ -151,30 +148,28 @@ struct CheckedRow<'a> {
 impl Args {
     /// Simulates, and prints what the frame took.
     pub fn run(self, progress: &Progress) -> Result<Status> {
-        let config = self.frame.config()?;
-        self.sample.map_or(Ok(()), |_| self.frame.check_kept())?;
+        let config = self.on_chip.config()?;
+        let Some(frame) = self.frame else {
+            let out = self.out.as_deref();
+            return self.walk.run(&self.on_chip, &self.auto, &config, out, self.json, progress);
+        };
+        self.sample.map_or(Ok(()), |_| self.on_chip.check_kept(frame))?;
         let file = self.out.as_deref().map(|path| OutFile::check(path)?.with_ending(&["png"])).transpose()?;
         let commands = self.sdram_commands.as_deref();
         let commands = commands.map(|path| OutFile::check(path)?.with_ending(&["csv"])).transpose()?;
-        let world = self.auto.open(&self.frame.scene, Some(self.frame.frame), progress)?;
+        let world = self.auto.open(&self.on_chip.scene, Some(frame), progress)?;
         file.iter().chain(&commands).try_for_each(|file| file.check_inputs(&world.files))?;
         check_state(config.cache, Bytes(world.image.bytes.len() as u64))?;
-        let scene = Summary::of(&world);
-        let lines = summary::lines(&scene).into_iter().chain([summary::image_line(&scene)]);
-        lines.for_each(|line| progress.say(line));
-        if config.version != Version::None {
-            progress.say(describe(&config.cache));
-        }
-
+        say_what(&world, &config, progress);
         let mut out = Stdout::new();
         if let Some(part) = self.sample {
             let row = progress.during("sample", |report| {
-                simulate_sample(&world, &self.frame.sampled(part), &config, report)
+                simulate_sample(&world, &self.on_chip.sampled(frame, part), &config, report)
             })?;
             if self.json {
                 json_line(&mut out, &row)?;
             } else {
-                let FrameArgs { scene, frame, .. } = &self.frame;
+                let scene = &self.on_chip.scene;
                 let version = version_name(config.version);
                 out.line(format_args!(
                     "{}, frame {frame}, version {version}: {}",
@@ -187,18 +182,18 @@ impl Args {
         }
         let mut shadow = self.check_bytes.then(|| CardShadow::new(&world.image.bytes, &config));
         let (recording, report) = match (&mut shadow, commands) {
-            (None, None) => self.frame.play(&world, &config, &mut (), progress)?,
+            (None, None) => self.on_chip.play(frame, &world, &config, &mut (), progress)?,
             (shadow, commands) => {
-                let play = |watch: &mut Watch<'_, '_>| self.frame.play(&world, &config, watch, progress);
+                let play =
+                    |watch: &mut Watch<'_, '_>| self.on_chip.play(frame, &world, &config, watch, progress);
                 watched(play, shadow.as_mut(), commands)?
             }
         };
         if let Some(file) = file {
             file.write(|out| write_png(&recording.picture.pixels, out))?;
         }
-        let FrameArgs { scene, frame, .. } = &self.frame;
-        let row =
-            TimingRow::new(&scene.scene.text(), *frame, recording.picture.rays.total(), &config, &report);
+        let scene = self.on_chip.scene.scene.text();
+        let row = TimingRow::new(&scene, frame, recording.picture.rays.total(), &config, &report);
         match (&shadow, self.json) {
             (None, true) => json_line(&mut out, &row)?,
             (Some(CardShadow { parts, wrong, .. }), true) => {
@@ -221,6 +216,16 @@ impl Args {
         // Where standard error is closed, the status has to do.
         let _ = writeln!(std::io::stderr(), "saarcor: not the bytes of the host: {difference}");
         Ok(Status::Disproved)
+    }
+}
+
+/// Says what is simulated.
+pub fn say_what(world: &World, config: &ChipConfig, progress: &Progress) {
+    let scene = Summary::of(world);
+    let lines = summary::lines(&scene).into_iter().chain([summary::image_line(&scene)]);
+    lines.for_each(|line| progress.say(line));
+    if config.version != Version::None {
+        progress.say(describe(&config.cache));
     }
 }
 

@@ -1,6 +1,6 @@
 //! `saarcor sweep` and `saarcor merge`.
 
-use super::simulate::FrameArgs;
+use super::simulate::OnChipArgs;
 use crate::args::vary;
 use crate::curve;
 use crate::limits::check_together;
@@ -16,6 +16,7 @@ use saarcor_paper::mb;
 use saarcor_studies::simulate::{record, record_before};
 use saarcor_studies::summary::Summary;
 use saarcor_studies::sweep::{Axis, Point, PointCosts, Position, Shard, Sweep, grid, identity};
+use saarcor_studies::world::World;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -37,7 +38,10 @@ struct Shown {
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]
-    frame: FrameArgs,
+    on_chip: OnChipArgs,
+    /// Frame of the scene's path
+    #[arg(long, value_name = "N")]
+    frame: usize,
     /// What varies: line, ways, hash, memory, policy, pci, threads, metadata-cache, triangle-cache or
     /// variant, with its values if not the usual ones; several make a grid
     #[arg(long, value_name = "AXIS[=VALUE,..]", required = true)]
@@ -55,7 +59,7 @@ pub struct Args {
 impl Args {
     /// Simulates the points that are left, and prints all results.
     pub fn run(self, progress: &Progress) -> Result<()> {
-        let frame = &self.frame;
+        let (on_chip, frame) = (&self.on_chip, self.frame);
         let all = grid(&self.over);
         let configs = all.iter().map(|point| self.config(point)).collect::<Result<Vec<_>>>()?;
         let shown = Files::check(&self.shown)?;
@@ -64,15 +68,15 @@ impl Args {
         } else if shown.svg.is_some() {
             bail!("--svg: {} axes; curves are drawn over one", self.over.len());
         }
-        frame.check_kept()?;
-        let world = frame.world(progress)?;
+        on_chip.check_kept(frame)?;
+        let world = World::open(&on_chip.scene.options(Some(frame))?, progress)?;
         shown.check_inputs(&world.files)?;
         if let Some(out) = &self.out {
             check_inputs(out, &world.files)?;
             shown.check_inputs(&[out])?;
         }
-        let how = (frame.frame, &frame.trace, frame.chip.order, frame.warm_up, &configs);
-        let sweep = identity(&world, &frame.scene.scene.text(), &how);
+        let how = (frame, &on_chip.trace, on_chip.chip.order, on_chip.warm_up, &configs);
+        let sweep = identity(&world, &on_chip.scene.scene.text(), &how);
         let position = |point| Position { sweep: sweep.clone(), point, points: all.len() };
         let mine = (0..all.len()).filter(|&point| self.shard.is_none_or(|shard| shard.has(point)));
         let mine: Vec<usize> = mine.collect();
@@ -84,15 +88,15 @@ impl Args {
             check_together(caches, at_a_time, Bytes(world.image.bytes.len() as u64))?;
             progress.say(summary::image_line(&Summary::of(&world)));
             progress.say(format!("{} points, {} left", mine.len(), mine.len() - results.lines.len()));
-            let (options, order) = (frame.trace.options(), frame.chip.order);
+            let (options, order) = (on_chip.trace.options(), on_chip.chip.order);
             let before: Vec<Programs> = progress.during("trace of the frames before", |report| {
-                let count = frame.warm_up.before(frame.frame);
-                record_before(&world, frame.frame, count, &options, order, report).collect()
+                let count = on_chip.warm_up.before(frame);
+                record_before(&world, frame, count, &options, order, report).collect()
             });
-            let recording = progress.during("trace", |_| record(&world, frame.frame, &options, order));
+            let recording = progress.during("trace", |_| record(&world, frame, &options, order));
             let sweep = Sweep {
-                scene: &frame.scene.scene.text(),
-                frame: frame.frame,
+                scene: &on_chip.scene.scene.text(),
+                frame,
                 rays: recording.picture.rays.total(),
                 before: &before,
                 programs: &recording.programs,
@@ -100,19 +104,21 @@ impl Args {
                 points: &all,
                 configs: &configs,
             };
-            progress.during("points", |report| results.complete(&sweep, &mine, at_a_time, report))?;
+            progress.during("points", |report| {
+                results.complete(&mine, at_a_time, |points| sweep.rows(points), report)
+            })?;
         }
         print(&results.lines, shown)
     }
 
     /// The chip of a point.
     fn config(&self, point: &Point) -> Result<ChipConfig> {
-        let mut frame = self.frame.clone();
+        let mut on_chip = self.on_chip.clone();
         for (axis, value) in point {
-            vary(axis, value, &mut frame.cache, &mut frame.chip)
+            vary(axis, value, &mut on_chip.cache, &mut on_chip.chip)
                 .map_err(|right| anyhow!("--over {axis}={value}: {right}"))?;
         }
-        frame.config().with_context(|| {
+        on_chip.config().with_context(|| {
             let text: Vec<_> = point.iter().map(|(axis, value)| format!("{axis}={value}")).collect();
             text.join(" ")
         })

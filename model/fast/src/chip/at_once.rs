@@ -8,6 +8,7 @@ use saarcor_model::time::{ChipConfig, ConfigError, Direction, Load, Operation, P
 use saarcor_model::vm::{FirstLevel, HostAddr, LineAddr, Outcome};
 
 /// The first-level caches and the virtual memory of a chip on which nothing is in work.
+#[derive(Clone)]
 pub struct Caches {
     pub(super) config: ChipConfig,
     pub(super) l1: [FirstLevel<CHIP_CACHE_WAYS, ()>; 4],

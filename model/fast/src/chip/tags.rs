@@ -32,6 +32,15 @@ pub trait Tags: Send {
     /// Finds the bytes at `addr`, which lie within one line; says in `moves` which metadata that
     /// moves, in order.
     fn locate(&mut self, addr: HostAddr, moves: &mut Vec<MetadataMove>) -> WhereOnCard;
+
+    /// The same tags, once more.
+    fn copied(&self) -> Box<dyn Tags>;
+}
+
+impl Clone for Box<dyn Tags> {
+    fn clone(&self) -> Self {
+        self.as_ref().copied()
+    }
 }
 
 /// The tags that `config` asks for, of an empty cache.
@@ -63,11 +72,16 @@ fn of_ways<const WAYS: usize>(config: &ChipConfig) -> Box<dyn Tags> {
 }
 
 /// Without virtual memory, bytes lie on the card where they lie in the host (Assumed).
+#[derive(Clone)]
 struct NoTags;
 
 impl Tags for NoTags {
     fn locate(&mut self, addr: HostAddr, _: &mut Vec<MetadataMove>) -> WhereOnCard {
         WhereOnCard { card: addr.0.into(), missed: false }
+    }
+
+    fn copied(&self) -> Box<dyn Tags> {
+        Box::new(self.clone())
     }
 }
 
@@ -75,9 +89,14 @@ impl<const WAYS: usize> Tags for Directory<WAYS> {
     fn locate(&mut self, addr: HostAddr, _: &mut Vec<MetadataMove>) -> WhereOnCard {
         place(self, addr)
     }
+
+    fn copied(&self) -> Box<dyn Tags> {
+        Box::new(self.clone())
+    }
 }
 
 /// The metadata that moves for an access, in order.
+#[derive(Clone)]
 struct MetadataMoves(Vec<MetadataMove>);
 
 impl MetadataObserver<()> for MetadataMoves {
@@ -98,6 +117,10 @@ impl<const WAYS: usize> Tags for Directory<WAYS, MetadataDecisions<WAYS, CHIP_CA
         let place = place(self, addr);
         moves.append(&mut self.metadata.observer.0);
         place
+    }
+
+    fn copied(&self) -> Box<dyn Tags> {
+        Box::new(self.clone())
     }
 }
 
