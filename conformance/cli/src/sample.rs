@@ -1,30 +1,37 @@
-//! Estimates from a sample, for a person to read.
+//! Estimates for a person to read.
 
-use crate::table::{Column, Table};
+use saarcor_paper::mb;
 use saarcor_studies::sampling::estimate::Estimate;
-use saarcor_studies::sampling::row::SampleRow;
 
-/// The estimates and their intervals.
+/// In place of an estimate whose interval is wider than half of it.
+const NOT_KNOWN: &str = "not known from this sample";
+
+/// A quantity of this name, with half of its interval's width if it is not exact: cycles, frames a second, and MB of bytes.
 #[must_use]
-pub fn table(row: &SampleRow) -> Table {
-    let columns = ["estimate", "from", "to", "± %"].map(Column::number);
-    let mut table = Table::new([Column::text("quantity")].into_iter().chain(columns));
-    for quantity in &row.quantities {
-        let numbers = quantity.values().map(|number| match number.as_u64() {
-            Some(count) => count.to_string(),
-            None => format!("{:.3}", number.as_f64().unwrap_or_default()),
-        });
-        let Estimate { estimate, low, high } = quantity.estimate;
-        let half = if high > low { 50.0 * (high - low) / estimate } else { 0.0 };
-        let half = if half.is_finite() { format!("{half:.1}") } else { "-".to_owned() };
-        table.row([quantity.name.clone()].into_iter().chain(numbers).chain([half]));
+pub fn text(name: &str, estimate: Estimate) -> String {
+    if !estimate.is_known() {
+        return NOT_KNOWN.to_owned();
     }
-    table
+    let value = match name {
+        "cycles" => format!("{:.0}", estimate.value),
+        "fps" => format!("{:.1}", estimate.value),
+        _ => format!("{} MB", mb(estimate.value.round() as u64)),
+    };
+    match estimate.half_width() {
+        exact if exact == 0.0 => value,
+        half => format!("{value} ± {:.1} %", 100.0 * half),
+    }
 }
 
-/// From how much of the picture.
-#[must_use]
-pub fn heading(row: &SampleRow) -> String {
-    let [packets, in_full] = row.packets;
-    format!("estimates from {in_full} of {packets} packets, with intervals of 95 %")
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_too_wide_is_no_number() {
+        let of = |low, high| text("cycles", Estimate { value: 1000.0, low, high });
+        assert_eq!(of(900.0, 1100.0), "1000 ± 10.0 %");
+        assert_eq!(of(700.0, 1300.0), NOT_KNOWN);
+        assert_eq!(text("pci_bytes", Estimate::exact(2e6)), "2.00 MB");
+    }
 }

@@ -96,7 +96,7 @@ fn frames_before_warm_the_caches() {
     assert!(pci("1") < pci("0"));
     assert_eq!(pci("1"), pci("9"), "there is one frame before");
     assert_eq!(pci("1"), pci("walk"));
-    let long = ["simulate", "pquake3-nlnt", "--frame", "100", "--warm-up", "walk", "--sample", "1/8"];
+    let long = ["sweep", "pquake3-nlnt", "--frame", "100", "--warm-up", "walk", "--over", "line"];
     assert!(refusal_of(&long).contains("--warm-up: 100 frames before are kept in memory here; at most 16"));
 }
 

@@ -71,13 +71,10 @@ pub enum StudyError {
     /// The numbers make no chip.
     #[error(transparent)]
     Chip(#[from] ConfigError),
-    /// Packets of single rays cannot be sampled.
-    #[error("--sample with --packet 1: sampling needs packets of 4, 16 or 64 rays")]
-    SingleRays,
     /// A sample is too small for an interval.
     #[error("sample of {sample}: {why}")]
     SmallSample {
-        /// The part of the packets that was asked for.
+        /// The part of the frames that was asked for.
         sample: String,
         /// Why it is too small, and the smallest that is enough.
         why: String,

@@ -37,7 +37,7 @@
 //! | [`simulate`] | step two of §4: a frame on the chip, cycle by cycle |
 //! | [`frames`] | the frames of a walk on the chip |
 //! | [`traffic`] | where the bytes of such a frame go |
-//! | [`sampling`] | both steps from a part of the packets, with intervals |
+//! | [`sampling`] | such frames from a few of them, with intervals |
 //! | [`sweep`] | one frame on many chips |
 //! | [`metadata`] | the metadata law of §3 |
 //! | [`accuracy`] | triangle tests and number formats: speed against error |

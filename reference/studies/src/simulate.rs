@@ -1,7 +1,6 @@
 //! Step two of §4: frames on the chip, exact to the cycle.
 //!
-//! [`record`] traces a frame once, on all cores, [`record_part`] some of its packets;
-//! [`simulate`](saarcor_fast::chip::simulate) plays what was recorded on any number of chips; [`TimingRow`]
+//! [`record`] traces a frame once, on all cores; [`simulate`](saarcor_fast::chip::simulate) plays what was recorded on any number of chips; [`TimingRow`]
 //! is the result of a run.
 
 use crate::dispatch::{ForPackets, with_packets};
@@ -126,21 +125,6 @@ pub fn record_before<'a>(
         report((before - first) as f64 / (frame - first) as f64);
         record(world, before, options, order).programs
     })
-}
-
-/// The programs of some packets of a frame, in their order, and the rays of each.
-#[must_use]
-pub fn record_part(
-    world: &World,
-    frame: usize,
-    options: &TraceOptions,
-    packets: &[u32],
-) -> Vec<(Program, RayCounts)> {
-    let mut programs = Vec::with_capacity(packets.len());
-    trace_packets(world, frame, options, packets, &mut |traced| {
-        programs.push((traced.program, traced.rays));
-    });
-    programs
 }
 
 /// A packet, traced.

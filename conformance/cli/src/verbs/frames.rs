@@ -8,18 +8,22 @@ use crate::output::{OutFile, Stdout, check_inputs};
 use crate::plot::{accessible, theme};
 use crate::progress::Progress;
 use crate::results::Results;
+use crate::sample;
 use crate::status::Status;
 use crate::table::{Column, Table};
 use anyhow::{Context, Result, ensure};
 use kuva::backend::svg::SvgBackend;
-use kuva::plot::LinePlot;
+use kuva::plot::{BandPlot, LegendPosition, LinePlot, ScatterPlot};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 use saarcor_model::time::ChipConfig;
 use saarcor_model::vm::Bytes;
-use saarcor_paper::mb;
 use saarcor_studies::frames::{Frames, MOST_TOGETHER, OnChip, WalkedRow};
+use saarcor_studies::names::version_name;
+use saarcor_studies::sampling::estimate::Estimate;
+use saarcor_studies::sampling::fraction::SampleFraction;
+use saarcor_studies::sampling::walk::{ErrorBound, EstimatedWalk, Goal, Quantities, quantities};
 use saarcor_studies::simulate::WarmUp;
 use saarcor_studies::sweep::{Position, identity};
 use serde::Deserialize;
@@ -34,19 +38,34 @@ pub struct FramesArgs {
     /// One of so many of these frames [default: 1]
     #[arg(long, value_name = "N", conflicts_with = "frame", value_parser = clap::value_parser!(u32).range(1..))]
     stride: Option<u32>,
+    /// Runs a part of the frames on the chip, such as 1/12, and estimates the others, with intervals of 95 %
+    #[arg(long, value_name = "F", conflicts_with_all = ["frame", "out", "error"])]
+    sample: Option<SampleFraction>,
+    /// Runs frames on the chip until the interval of all cycles is that narrow to each side, such as 1%, and estimates the others
+    #[arg(long, value_name = "P%", conflicts_with_all = ["frame", "out"])]
+    error: Option<ErrorBound>,
+    /// Which frames are drawn by --sample and --error
+    #[arg(long, value_name = "N", conflicts_with = "frame")]
+    seed: Option<u64>,
     /// Draws frames a second over the walk
     #[arg(long, value_name = "FILE.svg", conflicts_with = "frame")]
     svg: Option<PathBuf>,
 }
 
-/// What is shown of a row.
+/// What is shown of a simulated row.
 #[derive(Deserialize)]
-struct Shown {
+struct Row {
     frame: usize,
     cycles: u64,
-    fps: f64,
     mem_bytes: u64,
     pci_bytes: u64,
+}
+
+/// What is shown of a frame.
+struct Shown {
+    frame: usize,
+    estimated: bool,
+    quantities: Vec<(&'static str, Estimate)>,
 }
 
 impl FramesArgs {
@@ -61,6 +80,7 @@ impl FramesArgs {
         progress: &Progress,
     ) -> Result<Status> {
         let range = self.frames.context("--frames")?;
+        let goal = self.sample.map(Goal::Part).or(self.error.map(Goal::Error));
         let svg = self.svg.as_deref().map(|path| OutFile::check(path)?.with_ending(&["svg"])).transpose()?;
         let file = out.map(|path| OutFile::check(path)?.with_ending(&["jsonl"])).transpose()?;
         if let (Some(svg), Some(file)) = (&svg, &file) {
@@ -90,7 +110,61 @@ impl FramesArgs {
             order: on_chip.chip.order,
             warm_up: on_chip.warm_up,
         };
-        let sweep = identity(&world, scene, &(&frames, run.trace, run.order, run.warm_up, config));
+        if on_chip.warm_up == WarmUp::WALK {
+            ensure!(
+                goal.is_none(),
+                "--warm-up walk: no frames to leave out; name a number of frames with --sample and --error"
+            );
+        }
+        let (shown, lines, sum) = match goal {
+            Some(goal) => {
+                let walk = EstimatedWalk::new(run, &frames, goal, self.seed.unwrap_or(0), progress)?;
+                let lines = (0..frames.len()).map(|place| Ok(walk.row(place)?.to_string()));
+                let lines = lines.chain([Ok(walk.sum_row().to_string())]).collect::<Result<_>>()?;
+                let of = |place: usize| Shown {
+                    frame: frames[place],
+                    estimated: !walk.simulated.contains_key(&place),
+                    quantities: walk.of(place),
+                };
+                ((0..frames.len()).map(of).collect(), lines, walk.sum())
+            }
+            None => self.all(run, &frames, out, at_a_time, progress)?,
+        };
+        if let Some(file) = svg {
+            let title = format!("{scene}, version {}", version_name(config.version));
+            let drawing = drawing(&title, &shown);
+            file.write(|file| Ok(file.write_all(drawing.as_bytes())?))?;
+        }
+        let mut out = Stdout::new();
+        if json {
+            lines.iter().try_for_each(|line| out.line(line))?;
+        } else {
+            out.line(table(&shown).to_string().trim_end())?;
+            let simulated = shown.iter().filter(|row| !row.estimated).count();
+            let from = match shown.len() - simulated {
+                0 => String::new(),
+                _ => format!(", of which {simulated} ran on the chip"),
+            };
+            out.line(format_args!("{} frames{from}: together, with intervals of 95 %", shown.len()))?;
+            for (name, estimate) in sum {
+                out.line(format_args!("{name}: {}", sample::text(name, estimate)))?;
+            }
+        }
+        out.finish()?;
+        Ok(Status::Holds)
+    }
+
+    /// Simulates all frames.
+    fn all(
+        &self,
+        run: OnChip<'_>,
+        frames: &[usize],
+        out: Option<&Path>,
+        at_a_time: usize,
+        progress: &Progress,
+    ) -> Result<(Vec<Shown>, Vec<String>, Quantities)> {
+        let OnChip { world, config, trace, order, warm_up } = run;
+        let sweep = identity(world, &world.name, &(frames, trace, order, warm_up, config));
         let position = |point| Position { sweep: sweep.clone(), point, points: frames.len() };
         let places: Vec<usize> = (0..frames.len()).collect();
         let expected: Vec<Position> = places.iter().map(|&place| position(place)).collect();
@@ -104,64 +178,74 @@ impl FramesArgs {
             };
             results.complete(&places, at_a_time, rows, report)
         })?;
-
-        let shown = results.lines.iter().map(|line| serde_json::from_str(line).context("result"));
-        let shown: Vec<Shown> = shown.collect::<Result<_>>()?;
-        if let Some(file) = svg {
-            let title = format!("{scene}, version {}", saarcor_studies::names::version_name(config.version));
-            let drawing = drawing(&title, &shown);
-            file.write(|file| Ok(file.write_all(drawing.as_bytes())?))?;
-        }
-        let mut out = Stdout::new();
-        if json {
-            results.lines.iter().try_for_each(|line| out.line(line))?;
-        } else {
-            out.line(table(&shown).to_string().trim_end())?;
-            let cycles = shown.iter().map(|row| row.cycles).sum::<u64>();
-            out.line(format_args!(
-                "{} frames: {cycles} cycles, {:.1} frames a second over the walk; Mem {} MB, PCI {} MB a frame",
-                shown.len(),
-                config.fps(cycles) * shown.len() as f64,
-                mb(shown.iter().map(|row| row.mem_bytes).sum::<u64>() / shown.len() as u64),
-                mb(shown.iter().map(|row| row.pci_bytes).sum::<u64>() / shown.len() as u64),
-            ))?;
-        }
-        out.finish()?;
-        Ok(Status::Holds)
+        let rows = results.lines.iter().map(|line| serde_json::from_str(line).context("result"));
+        let rows: Vec<Row> = rows.collect::<Result<_>>()?;
+        let of = |values: [u64; 3], frames: usize| {
+            quantities(values.map(|value| Estimate::exact(value as f64)), config, frames)
+        };
+        let shown = |row: &Row| Shown {
+            frame: row.frame,
+            estimated: false,
+            quantities: of([row.cycles, row.mem_bytes, row.pci_bytes], 1),
+        };
+        let total = |value: fn(&Row) -> u64| rows.iter().map(value).sum::<u64>();
+        let sum = [total(|row| row.cycles), total(|row| row.mem_bytes), total(|row| row.pci_bytes)];
+        Ok((rows.iter().map(shown).collect(), results.lines, of(sum, rows.len())))
     }
 }
 
 fn table(rows: &[Shown]) -> Table {
-    let mut table =
-        Table::new(["frame", "cycles", "frames a second", "Mem MB", "PCI MB"].map(Column::number));
+    let names = rows.first().map(|row| row.quantities.as_slice()).unwrap_or_default();
+    let columns = names.iter().map(|(name, _)| Column::number(*name));
+    let columns = [Column::number("frame")].into_iter().chain(columns).chain([Column::text("")]);
+    let mut table = Table::new(columns);
     for row in rows {
-        table.row([
-            row.frame.to_string(),
-            row.cycles.to_string(),
-            format!("{:.1}", row.fps),
-            mb(row.mem_bytes),
-            mb(row.pci_bytes),
-        ]);
+        let numbers = row.quantities.iter().map(|(name, estimate)| sample::text(name, *estimate));
+        let how = if row.estimated { "estimated" } else { "" };
+        table.row([row.frame.to_string()].into_iter().chain(numbers).chain([how.to_owned()]));
     }
     table
 }
 
-/// Frames a second over the walk as SVG.
+/// Frames a second over the walk as SVG, as far as they are known.
 fn drawing(title: &str, rows: &[Shown]) -> String {
-    let points: Vec<(f64, f64)> = rows.iter().map(|row| (row.frame as f64, row.fps)).collect();
-    let line = LinePlot::new().with_data(points).with_color("#2f7fc1").with_stroke_width(1.2);
-    let plots = vec![Plot::Line(line)];
+    let of = |row: &Shown| {
+        let (_, fps) =
+            *row.quantities.iter().find(|(name, estimate)| *name == "fps" && estimate.is_known())?;
+        Some((row.frame as f64, fps, row.estimated))
+    };
+    let known: Vec<(f64, Estimate, bool)> = rows.iter().filter_map(of).collect();
+    let points =
+        |of: fn(&Estimate) -> f64| known.iter().map(|(frame, fps, _)| (*frame, of(fps))).collect::<Vec<_>>();
+    let line =
+        LinePlot::new().with_data(points(|fps| fps.value)).with_color("#2f7fc1").with_stroke_width(1.2);
+    let mut plots = vec![Plot::Line(line.with_legend("frames a second"))];
+    let simulated =
+        known.iter().filter(|(.., estimated)| !estimated).map(|(frame, fps, _)| (*frame, fps.value));
+    let simulated: Vec<(f64, f64)> = simulated.collect();
+    if simulated.len() < rows.len() {
+        let xs: Vec<f64> = known.iter().map(|(frame, ..)| *frame).collect();
+        let ends = |of: fn(&Estimate) -> f64| known.iter().map(|(_, fps, _)| of(fps)).collect::<Vec<_>>();
+        let band = BandPlot::new(xs, ends(|fps| fps.low), ends(|fps| fps.high))
+            .with_color("#2f7fc1")
+            .with_opacity(0.25);
+        plots.insert(0, Plot::Band(band));
+        let ran = ScatterPlot::new().with_data(simulated).with_color("#c8641b").with_size(3.0);
+        plots.push(Plot::Scatter(ran.with_legend("ran on the chip")));
+    }
     let layout = Layout::auto_from_plots(&plots)
         .with_width(760.0)
         .with_height(320.0)
         .with_x_label("frame")
-        .with_y_label("frames a second")
+        .with_y_label("frames a second, with intervals of 95 %")
         .with_y_axis_min(0.0)
+        .with_legend_position(LegendPosition::OutsideBottomColumns)
         .with_grid_line_width(0.4)
+        .with_legend_box(false)
         .with_theme(theme());
     let scene = render_multiple(plots, layout);
-    let least = rows.iter().map(|row| row.fps).fold(f64::INFINITY, f64::min);
-    let description = format!("Frames a second of {} frames; the slowest has {least:.1}.", rows.len());
+    let least = known.iter().map(|(_, fps, _)| fps.value).fold(f64::INFINITY, f64::min);
+    let description = format!("Frames a second of {} frames; the slowest has {least:.1}.", known.len());
     let drawn = SvgBackend::new().render_scene(&scene);
     accessible(&drawn, "frames", title, &description, (scene.width, scene.height))
 }

@@ -14,7 +14,7 @@ use saarcor_paper::MB;
 use saarcor_paper::alternatives::most_chips;
 use saarcor_paper::reproduction::{Extent, OwnScene, Reproduction, ReproductionOptions};
 use saarcor_paper::sensitivity::{NUMBERS, Options, Setting};
-use saarcor_studies::sampling::plan::SampleFraction;
+use saarcor_studies::sampling::fraction::SampleFraction;
 use saarcor_studies::simulate::WarmUp;
 use saarcor_studies::standard;
 use std::path::{Path, PathBuf};

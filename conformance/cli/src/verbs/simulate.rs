@@ -7,8 +7,8 @@ use crate::limits::check_state;
 use crate::output::{OutFile, Stdout, json_line, write_png};
 use crate::progress::Progress;
 use crate::status::Status;
+use crate::summary;
 use crate::table::{Column, Table};
-use crate::{sample, summary};
 use anyhow::{Result, ensure};
 use clap::ArgGroup;
 use saarcor_fast::chip::{Caches, ChipObserver, simulate_from};
@@ -17,9 +17,6 @@ use saarcor_model::vm::Bytes;
 use saarcor_oracles::card::CardShadow;
 use saarcor_oracles::memory_protocol::HEADER;
 use saarcor_paper::mb;
-use saarcor_studies::names::version_name;
-use saarcor_studies::sampling::plan::SampleFraction;
-use saarcor_studies::sampling::simulate::{SampledFrame, simulate_sample};
 use saarcor_studies::simulate::{Recording, TimingRow, WarmUp, Watch, command_line, record, record_before};
 use saarcor_studies::summary::Summary;
 use saarcor_studies::world::World;
@@ -90,12 +87,6 @@ impl OnChipArgs {
         let report = progress.during("chip", |_| simulate_from(caches, &recording.programs, observer));
         Ok((recording, report))
     }
-
-    /// The frame, of which a part is worked on in full.
-    fn sampled(&self, frame: usize, part: SampleFraction) -> SampledFrame {
-        let (trace, order) = (self.trace.options(), self.chip.order);
-        SampledFrame { frame, warm_up: self.warm_up, trace, order, part }
-    }
 }
 
 /// Step two of the paper's §4: frames on the whole chip, cycle by cycle
@@ -114,20 +105,17 @@ pub struct Args {
     /// The picture, a PNG file; of --frames the rows as lines of JSON, by which a run that was stopped goes on
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Works on a part of the packets in full, such as 1/8, and prints estimates with intervals of 95 %
-    #[arg(long, value_name = "F", conflicts_with_all = ["out", "frames"])]
-    sample: Option<SampleFraction>,
     /// Compares each part of a line that the chip reads from the card with the bytes of the host
     ///
     /// The run carries a shadow of the card's contents. It says how many parts were compared; the
     /// first that differs is named on standard error, and the exit status is 1.
-    #[arg(long, conflicts_with_all = ["sample", "frames"])]
+    #[arg(long, conflicts_with = "frames")]
     check_bytes: bool,
     /// Writes each command of the memory chips, a CSV file
     ///
     /// Columns: clock,command,bank,row,column,beats. Clocks are those of the memory, and increase; commands are
     /// ACT, RD, WR, PRE and REF; the bank is `all` where all are meant; what a command does not have is empty.
-    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["sample", "frames"])]
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "frames")]
     sdram_commands: Option<PathBuf>,
     /// Prints one JSON object a frame
     #[arg(long)]
@@ -153,7 +141,6 @@ impl Args {
             let out = self.out.as_deref();
             return self.walk.run(&self.on_chip, &self.auto, &config, out, self.json, progress);
         };
-        self.sample.map_or(Ok(()), |_| self.on_chip.check_kept(frame))?;
         let file = self.out.as_deref().map(|path| OutFile::check(path)?.with_ending(&["png"])).transpose()?;
         let commands = self.sdram_commands.as_deref();
         let commands = commands.map(|path| OutFile::check(path)?.with_ending(&["csv"])).transpose()?;
@@ -162,24 +149,6 @@ impl Args {
         check_state(config.cache, Bytes(world.image.bytes.len() as u64))?;
         say_what(&world, &config, progress);
         let mut out = Stdout::new();
-        if let Some(part) = self.sample {
-            let row = progress.during("sample", |report| {
-                simulate_sample(&world, &self.on_chip.sampled(frame, part), &config, report)
-            })?;
-            if self.json {
-                json_line(&mut out, &row)?;
-            } else {
-                let scene = &self.on_chip.scene;
-                let version = version_name(config.version);
-                out.line(format_args!(
-                    "{}, frame {frame}, version {version}: {}",
-                    scene.scene,
-                    sample::heading(&row)
-                ))?;
-                out.line(sample::table(&row))?;
-            }
-            return out.finish().map(|()| Status::Holds);
-        }
         let mut shadow = self.check_bytes.then(|| CardShadow::new(&world.image.bytes, &config));
         let (recording, report) = match (&mut shadow, commands) {
             (None, None) => self.on_chip.play(frame, &world, &config, &mut (), progress)?,

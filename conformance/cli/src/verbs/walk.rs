@@ -6,9 +6,9 @@ use crate::limits::check_walk;
 use crate::output::{OutFile, Stdout, json_line};
 use crate::progress::Progress;
 use crate::size::Size;
+use crate::summary;
 use crate::surface::{self, Loaded};
 use crate::table::{Column, aligned};
-use crate::{sample, summary};
 use anyhow::{Context, Result, ensure};
 use saarcor_kit::vm::config::{HASHES, POLICIES};
 use saarcor_model::rays::RayCounts;
@@ -18,8 +18,6 @@ use saarcor_studies::caches::{Caches, FrameCounts};
 use saarcor_studies::hot_spots::{Extreme, HotFrame, cuts, hot_spots};
 use saarcor_studies::names::name_of;
 use saarcor_studies::recorded::Recorded;
-use saarcor_studies::sampling::plan::SampleFraction;
-use saarcor_studies::sampling::walk::walk_sample;
 use saarcor_studies::summary::Summary;
 use saarcor_studies::walk::{FrameRow, Walk, WalkOptions, WalkTotals};
 use serde::Serialize;
@@ -47,7 +45,7 @@ pub struct Args {
     /// SCENE is a trace in place of a scene: accesses as din or as CSV of address and bytes ('-' is stdin), whose frames end at lines
     /// that begin with #
     #[arg(long = "trace", conflicts_with_all = [
-        "frames", "hot_spots", "sample", "auto", "lights", "no_textures", "strict", "no_mip_maps", "tree", "kernel", "resolution",
+        "frames", "hot_spots", "auto", "lights", "no_textures", "strict", "no_mip_maps", "tree", "kernel", "resolution",
         "packet", "bounces",
     ])]
     recorded: bool,
@@ -55,11 +53,8 @@ pub struct Args {
     #[arg(long)]
     cold: bool,
     /// Finds so many hot spots, and cuts of the camera; with --json they are the last line [default: 3, without --json]
-    #[arg(long, value_name = "N", conflicts_with_all = ["sample", "all"], value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", conflicts_with = "all", value_parser = clap::value_parser!(u16).range(1..))]
     hot_spots: Option<u16>,
-    /// Works on a part of the packets in full, such as 1/8, and prints estimates with intervals of 95 %
-    #[arg(long, value_name = "F", conflicts_with = "all")]
-    sample: Option<SampleFraction>,
     /// Prints one JSON object a frame
     #[arg(long)]
     json: bool,
@@ -101,24 +96,6 @@ impl Args {
         // Rows on a terminal show how far the walk is.
         let bar = if stdout().is_terminal() { Progress::new(true) } else { *progress };
         let mut out = Stdout::new();
-        if let Some(part) = self.sample {
-            let frame = frames.start;
-            bar.during("sample", |report| {
-                let mut done = 0;
-                walk_sample(&world, frames, &options, part, &mut |row| {
-                    if self.json {
-                        json_line(&mut out, row)?;
-                    } else {
-                        out.line(format_args!("frame {}: {}", frame + done, sample::heading(row)))?;
-                        out.line(sample::table(row))?;
-                    }
-                    done += 1;
-                    report(done as f64 / length as f64);
-                    out.flush()
-                })
-            })?;
-            return out.finish();
-        }
         if !self.json {
             out.line(header())?;
         }

@@ -55,6 +55,12 @@ impl Caches {
         Self { config, l1: chip.l1.map(|l1| l1.cache), tags: chip.tags }
     }
 
+    /// The chip's configuration.
+    #[must_use]
+    pub fn config(&self) -> &ChipConfig {
+        &self.config
+    }
+
     /// The same virtual memory behind first-level caches that hold nothing.
     #[must_use]
     pub fn with_cold_first_level(mut self) -> Self {

@@ -13,7 +13,7 @@ use saarcor_model::time::{ChipConfig, Version};
 use saarcor_scenes::kdbuild::BuildOptions;
 use saarcor_studies::StudyError;
 use saarcor_studies::monitor::Monitor;
-use saarcor_studies::sampling::plan::SampleFraction;
+use saarcor_studies::sampling::fraction::SampleFraction;
 use saarcor_studies::simulate::{WarmUp, record};
 use saarcor_studies::standard::{self, family};
 use saarcor_studies::trace::{PacketOrder, TraceOptions};

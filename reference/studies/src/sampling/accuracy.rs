@@ -1,188 +1,190 @@
-//! Speed against error of sampled simulation, and how often its intervals hold the truth.
+//! Speed against error of an estimated walk: of many draws of frames, how far the estimates are off, and how often their intervals
+//! hold the truth.
+//!
+//! All frames are simulated once, and counted once; a draw is then a choice among rows that are known. How many times as fast an
+//! estimate is, one run of each part says, in processor time of all cores.
 
-use super::plan::SampleFraction;
-use super::row::{Quantity, SampleRow};
-use super::simulate::{SampledFrame, simulate_sample};
-use super::walk::walk_sample;
+use super::choice::Choice;
+use super::counts::{Counts, count};
+use super::fraction::SampleFraction;
+use super::prediction::{Known, Prediction};
+use super::walk::{EstimatedWalk, Goal, QUANTITIES, predict, values};
 use crate::error::StudyError;
-use crate::walk::WalkOptions;
-use crate::world::World;
-use saarcor_model::time::ChipConfig;
+use crate::frames::{Frames, MOST_TOGETHER, OnChip};
+use crate::monitor::Monitor;
+use crate::names::version_name;
+use rayon::prelude::*;
+use rustix::time::{ClockId, clock_gettime};
 use serde::Serialize;
-use std::time::Instant;
 
-/// Frames of a walk: caches are warm from the second on.
-const WALK_FRAMES: usize = 5;
+/// Draws of each part.
+pub const DRAWS: u64 = 200;
 
-/// One quantity of one step, from one part of the packets, over some frames.
+/// What an estimate of each quantity's sum may be off, root mean square (the project's targets).
+pub const SUM_TARGET: [f64; 3] = [0.015, 0.03, 0.10];
+/// What the median of the frames may be off.
+pub const FRAME_TARGET: f64 = 0.05;
+/// Of the draws, the share whose intervals hold the truth.
+pub const COVERAGE_TARGET: [f64; 2] = [0.90, 0.99];
+/// Half of the interval's width, in root mean square errors.
+pub const WIDTH_TARGET: f64 = 3.0;
+/// Times as fast.
+pub const SPEED_TARGET: f64 = 15.0;
+
+/// A quantity of a walk, estimated from a part of its frames.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Accuracy {
     /// As the user named it.
     pub scene: String,
-    /// The verb: walk or simulate.
-    pub step: &'static str,
-    /// The part of the packets that was worked on in full.
+    /// Version of the virtual memory.
+    pub variant: &'static str,
+    /// The part of the frames that was simulated.
     pub sample: String,
-    /// What was estimated.
-    pub quantity: String,
-    /// Frames that were compared.
+    /// Frames of the walk, and of these, frames that were simulated.
     pub frames: usize,
-    /// SampleFraction of the frames whose true value lies in the interval.
-    pub coverage: f64,
-    /// Mean distance of the estimate from the true value, relative to it. (Frames in which the true
-    /// value is 0 are left out, here and below.)
+    /// See [`Accuracy::frames`].
+    pub simulated: usize,
+    /// What was estimated.
+    pub quantity: &'static str,
+    /// Draws of frames.
+    pub draws: u64,
+    /// Root mean square of the sum's error over the draws, relative to the sum.
     pub error: f64,
-    /// Mean of half the interval's length, relative to the true value.
+    /// Mean of half the width of the sum's interval, relative to the sum.
     pub half_width: f64,
-    /// Seconds a frame, without what makes the scene ready.
+    /// Share of the draws whose interval holds the sum.
+    pub coverage: f64,
+    /// Median of the errors of the frames that were not simulated, relative to each; mean over the draws.
+    pub frame_error: f64,
+    /// Share of these frames whose interval holds the truth.
+    pub frame_coverage: f64,
+    /// Share of the draws from which the sum is not known ([`Estimate::is_known`](super::estimate::Estimate::is_known)).
+    pub not_known: f64,
+    /// Processor seconds of the whole walk.
     pub seconds: f64,
-    /// How many times as fast as working on all packets.
+    /// How many times as fast in processor time one estimate was.
     pub speedup: f64,
 }
 
-/// Compares estimates with the truth, quantity by quantity.
-#[derive(Default)]
-struct Comparison {
-    quantities: Vec<Compared>,
-    seconds: f64,
+impl Accuracy {
+    /// The targets that it misses, by their names.
+    #[must_use]
+    pub fn misses(&self) -> Vec<&'static str> {
+        let place = QUANTITIES.iter().position(|name| *name == self.quantity).unwrap_or(0);
+        let [least, most] = COVERAGE_TARGET;
+        let targets = [
+            ("error", self.error <= SUM_TARGET[place]),
+            ("frame", place > 0 || self.frame_error <= FRAME_TARGET),
+            ("coverage", (least..=most).contains(&self.coverage)),
+            ("width", self.half_width <= WIDTH_TARGET * self.error),
+            ("speed", self.speedup >= SPEED_TARGET),
+        ];
+        targets.into_iter().filter(|(_, meets)| !meets).map(|(name, _)| name).collect()
+    }
 }
 
-#[derive(Default)]
-struct Compared {
-    name: String,
-    frames: usize,
-    held: usize,
-    /// Frames whose true value is not 0, and sums over them.
-    measured: usize,
+/// Processor seconds of this process, of all cores together.
+fn processor_seconds() -> f64 {
+    let now = clock_gettime(ClockId::ProcessCPUTime);
+    now.tv_sec as f64 + now.tv_nsec as f64 / 1e9
+}
+
+/// What a draw came out to.
+struct Draw {
+    /// The sum's error, half of its interval's width, and whether that holds the truth; whether it is known.
     error: f64,
     half_width: f64,
+    holds: bool,
+    known: bool,
+    /// Median of the frames' errors, and the share whose intervals hold the truth.
+    frame_error: f64,
+    frames_held: f64,
 }
 
-impl Comparison {
-    fn frame(&mut self, estimated: &[Quantity], truth: &[Quantity]) {
-        for (place, (Quantity { name, estimate }, truth)) in estimated.iter().zip(truth).enumerate() {
-            if place == self.quantities.len() {
-                self.quantities.push(Compared { name: name.clone(), ..Compared::default() });
-            }
-            let (compared, truth) = (&mut self.quantities[place], truth.estimate.estimate);
-            compared.frames += 1;
-            compared.held += usize::from(estimate.holds(truth));
-            if truth != 0.0 {
-                compared.measured += 1;
-                compared.error += (estimate.estimate / truth - 1.0).abs();
-                compared.half_width += (estimate.high - estimate.low) / (2.0 * truth);
-            }
+impl Draw {
+    fn new(prediction: &Prediction, truth: &[f64], choice: &Choice) -> Self {
+        let sum: f64 = truth.iter().sum();
+        let is_estimated = |place: &usize| !choice.certain.contains(place) && !choice.drawn.contains(place);
+        let rest: Vec<usize> = (0..truth.len()).filter(is_estimated).collect();
+        let apart = |place: &usize| (prediction.frames[*place].value / truth[*place].max(1.0) - 1.0).abs();
+        let mut errors: Vec<f64> = rest.iter().map(apart).collect();
+        errors.sort_unstable_by(f64::total_cmp);
+        let held = rest.iter().filter(|place| prediction.frames[**place].holds(truth[**place])).count();
+        let relative = |value: f64| if sum > 0.0 { value / sum } else { 0.0 };
+        Self {
+            error: relative(prediction.sum.value - sum),
+            half_width: relative((prediction.sum.high - prediction.sum.low) / 2.0),
+            holds: prediction.sum.holds(sum),
+            known: prediction.sum.is_known(),
+            frame_error: errors.get(errors.len() / 2).copied().unwrap_or(0.0),
+            frames_held: held as f64 / rest.len().max(1) as f64,
         }
     }
+}
 
-    fn rows(self, scene: &str, step: &'static str, part: SampleFraction, full_seconds: f64) -> Vec<Accuracy> {
-        let row = |compared: Compared| {
-            let measured = compared.measured.max(1) as f64;
-            Accuracy {
-                scene: scene.to_owned(),
-                step,
-                sample: part.to_string(),
-                quantity: compared.name,
-                frames: compared.frames,
-                coverage: compared.held as f64 / compared.frames as f64,
-                error: compared.error / measured,
-                half_width: compared.half_width / measured,
-                seconds: self.seconds / compared.frames as f64,
-                speedup: full_seconds / self.seconds,
-            }
+/// Simulates `frames`, which increase, and compares with them estimates from `parts` of them; parts of too few frames are left out.
+///
+/// # Errors
+/// If the configuration makes no chip.
+pub fn measure(
+    run: OnChip<'_>,
+    frames: &[usize],
+    parts: &[SampleFraction],
+    monitor: &dyn Monitor,
+) -> Result<Vec<Accuracy>, StudyError> {
+    let started = processor_seconds();
+    let rows = monitor.during("all frames on the chip", |report| {
+        let (mut walk, mut rows) = (Frames::new(run)?, Vec::with_capacity(frames.len()));
+        for together in frames.chunks(rayon::current_num_threads().min(MOST_TOGETHER)) {
+            rows.extend(walk.rows(together)?);
+            report(rows.len() as f64 / frames.len() as f64);
+        }
+        Ok::<_, StudyError>(rows)
+    })?;
+    let seconds = processor_seconds() - started;
+    let truth: Vec<[f64; 3]> = rows.iter().map(values).collect();
+    let counts = monitor.during("small pictures of all frames", |report| count(&run, frames, report))?;
+    let known = Known::new(&counts.iter().map(Counts::all).collect::<Vec<_>>());
+    let mut found = Vec::new();
+    for &part in parts {
+        let Ok(stretches) = Choice::new(run.world, frames, 0).of_part(part) else { continue };
+        let started = processor_seconds();
+        let one = EstimatedWalk::new(run, frames, Goal::Part(part), 0, monitor)?;
+        let speedup = seconds / (processor_seconds() - started);
+        let draw = |seed: u64| -> [Draw; 3] {
+            let mut choice = Choice::new(run.world, frames, seed);
+            choice.draw(stretches);
+            let predictions = predict(&known, &counts, &choice, run.config, &|place| truth[place]);
+            std::array::from_fn(|quantity| {
+                let truth: Vec<f64> = truth.iter().map(|values| values[quantity]).collect();
+                Draw::new(&predictions[quantity], &truth, &choice)
+            })
         };
-        self.quantities.into_iter().map(row).collect()
-    }
-}
-
-/// The frames of a path of `all` frames, so many spread over it.
-fn spread(all: usize, count: usize) -> impl Iterator<Item = usize> {
-    let count = count.min(all);
-    (0..count).map(move |place| place * all / count)
-}
-
-/// Compares `simulate --sample` of each part with the whole run, on `frames` frames spread over the
-/// path. `sampled` says the rest; its frame and part do not count.
-///
-/// # Errors
-/// Those of [`simulate_sample`].
-pub fn of_simulate(
-    world: &World,
-    frames: usize,
-    parts: &[SampleFraction],
-    sampled: &SampledFrame,
-    config: &ChipConfig,
-    report: &(dyn Fn(f64) + Sync),
-) -> Result<Vec<Accuracy>, StudyError> {
-    let run = |frame, part| -> Result<(SampleRow, f64), StudyError> {
-        let started = Instant::now();
-        let row = simulate_sample(world, &SampledFrame { frame, part, ..*sampled }, config, &|_| ())?;
-        Ok((row, started.elapsed().as_secs_f64()))
-    };
-    let mut comparisons: Vec<_> = parts.iter().map(|_| Comparison::default()).collect();
-    let mut full_seconds = 0.0;
-    for (done, frame) in spread(world.path.len(), frames).enumerate() {
-        let (truth, seconds) = run(frame, SampleFraction::one_of(1))?;
-        full_seconds += seconds;
-        for (&part, comparison) in parts.iter().zip(&mut comparisons) {
-            let (row, seconds) = run(frame, part)?;
-            comparison.frame(&row.quantities, &truth.quantities);
-            comparison.seconds += seconds;
+        let draws: Vec<[Draw; 3]> = monitor
+            .during(&format!("{DRAWS} draws of {part}"), |_| (0..DRAWS).into_par_iter().map(draw).collect());
+        for (place, quantity) in QUANTITIES.into_iter().enumerate() {
+            let mean = |of: &dyn Fn(&Draw) -> f64| {
+                draws.iter().map(|draw| of(&draw[place])).sum::<f64>() / DRAWS as f64
+            };
+            let share = |of: fn(&Draw) -> bool| mean(&|draw| f64::from(u8::from(of(draw))));
+            found.push(Accuracy {
+                scene: run.world.name.clone(),
+                variant: version_name(run.config.version),
+                sample: part.to_string(),
+                frames: frames.len(),
+                simulated: one.simulated.len(),
+                quantity,
+                draws: DRAWS,
+                error: mean(&|draw| draw.error.powi(2)).sqrt(),
+                half_width: mean(&|draw| draw.half_width),
+                coverage: share(|draw| draw.holds),
+                frame_error: mean(&|draw| draw.frame_error),
+                frame_coverage: mean(&|draw| draw.frames_held),
+                not_known: share(|draw| !draw.known),
+                seconds,
+                speedup,
+            });
         }
-        report((done + 1) as f64 / frames as f64);
     }
-    Ok(rows(world, "simulate", parts, comparisons, full_seconds))
-}
-
-/// Compares `walk --sample` of each part with the whole walk, in walks of five frames
-/// spread over the path, `frames` in all.
-///
-/// # Errors
-/// Those of [`walk_sample`].
-pub fn of_walk(
-    world: &World,
-    frames: usize,
-    parts: &[SampleFraction],
-    options: &WalkOptions,
-    report: &(dyn Fn(f64) + Sync),
-) -> Result<Vec<Accuracy>, StudyError> {
-    let run = |first: usize, part| -> Result<(Vec<SampleRow>, f64), StudyError> {
-        let (started, mut rows) = (Instant::now(), Vec::new());
-        let frames = first..(first + WALK_FRAMES).min(world.path.len());
-        walk_sample(world, frames, options, part, &mut |row| {
-            rows.push(row.clone());
-            Ok::<_, StudyError>(())
-        })?;
-        Ok((rows, started.elapsed().as_secs_f64()))
-    };
-    let mut comparisons: Vec<_> = parts.iter().map(|_| Comparison::default()).collect();
-    let walks = frames.div_ceil(WALK_FRAMES);
-    let last = world.path.len().saturating_sub(WALK_FRAMES) + 1;
-    let mut full_seconds = 0.0;
-    for (done, first) in spread(last, walks).enumerate() {
-        let (truth, seconds) = run(first, SampleFraction::one_of(1))?;
-        full_seconds += seconds;
-        for (&part, comparison) in parts.iter().zip(&mut comparisons) {
-            let (rows, seconds) = run(first, part)?;
-            for (row, truth) in rows.iter().zip(&truth) {
-                comparison.frame(&row.quantities, &truth.quantities);
-            }
-            comparison.seconds += seconds;
-        }
-        report((done + 1) as f64 / walks as f64);
-    }
-    Ok(rows(world, "walk", parts, comparisons, full_seconds))
-}
-
-fn rows(
-    world: &World,
-    step: &'static str,
-    parts: &[SampleFraction],
-    comparisons: Vec<Comparison>,
-    full_seconds: f64,
-) -> Vec<Accuracy> {
-    let of_part = |(&part, comparison): (&SampleFraction, Comparison)| {
-        comparison.rows(&world.name, step, part, full_seconds)
-    };
-    parts.iter().zip(comparisons).flat_map(of_part).collect()
+    Ok(found)
 }

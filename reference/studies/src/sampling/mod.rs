@@ -1,28 +1,25 @@
-//! Sampled simulation: walks and runs of the chip that work on a part of a picture's packets in
-//! full, and say how far off their results may be.
+//! Whole walks in time from a few of their frames: which frames run on the chip, and what the others take, with intervals.
 //!
-//! After SMARTS (Wunderlich, Wenisch, Falsafi, Hoe 2003): what is measured is a small sample, and
-//! between its parts the caches are kept warm. SMARTS warms them with all that the program reads;
-//! tracing all rays would take most of the time saved here. So the packets between the parts are
-//! those of a smaller picture, with a sixteenth of the rays. What that leaves wrong is bounded by what
-//! can be counted, and part of the intervals ([`estimate`], [`neighbours`]).
+//! After MEGsim (Ortiz, Corbalán-Navarro, Aragón, González 2022): what is cheap to count tells frames apart, and few of them
+//! are simulated. There the counts are those of a functional run of each frame, and the frames chosen stand for those like them.
+//! Here tracing the rays costs three times as much as the chip, so the counts are those of small pictures
+//! ([`counts`]); and the frames are drawn at random, one of each stretch of the walk ([`choice`]), so that the error can be
+//! estimated too ([`prediction`]).
 //!
 //! | module | subject |
 //! |---|---|
-//! | [`plan`] | which packets are worked on in full |
-//! | [`trace`] | packets in full and packets of few rays |
-//! | [`estimate`] | totals and intervals |
-//! | [`neighbours`] | what is not known of first-level caches |
-//! | [`row`] | what is printed |
-//! | [`simulate`] | a frame on the chip |
-//! | [`walk`] | the frames of a walk |
-//! | [`accuracy`] | speed against error of both |
+//! | [`fraction`] | the part that is drawn |
+//! | [`counts`] | what is cheap to count of every frame |
+//! | [`choice`] | which frames run on the chip |
+//! | [`estimate`] | an estimate and its interval |
+//! | [`prediction`] | what the other frames take |
+//! | [`walk`] | a walk in time, estimated |
+//! | [`accuracy`] | speed against error |
 
 pub mod accuracy;
+pub mod choice;
+pub mod counts;
 pub mod estimate;
-pub mod neighbours;
-pub mod plan;
-pub mod row;
-pub mod simulate;
-pub mod trace;
+pub mod fraction;
+pub mod prediction;
 pub mod walk;
