@@ -18,7 +18,7 @@ pub fn text(name: &str, estimate: Estimate) -> String {
         _ => format!("{} MB", mb(estimate.value.round() as u64)),
     };
     match estimate.half_width() {
-        exact if exact == 0.0 => value,
+        0.0 => value,
         half => format!("{value} ± {:.1} %", 100.0 * half),
     }
 }

@@ -146,12 +146,14 @@ fn accuracy_has_a_row_for_each_part_and_quantity() {
     for (place, row) in rows.iter().enumerate() {
         assert_eq!((&row["variant"], &row["sample"]), (&["none", "a", "b"][place / 3].into(), &"1/6".into()));
         assert_eq!((&row["draws"], &row["frames"], &row["simulated"]), (&200.into(), &50.into(), &8.into()));
-        let [error, coverage] = ["error", "coverage"].map(|key| row[key].as_f64().expect("a number"));
-        assert!(coverage >= 0.7 && (row["quantity"] != "cycles" || error < 0.5), "{row}");
+        let not_known = row["not_known"].as_f64().expect("a number");
+        assert!((0.0..=1.0).contains(&not_known) && row["error"].is_null() == (not_known == 1.0), "{row}");
+        // What is known is so to a quarter.
+        assert!(row["half_width"].as_f64().is_none_or(|half| half < 0.5), "{row}");
     }
 }
 
-/// Of the real conference and oa_dm3, 48 frames spread over each path: estimates from an eighth of them.
+/// Of the real conference and oa_dm3, 48 frames spread over each path: estimates from a quarter of them.
 #[test]
 #[ignore = "needs the real scenes; minutes"]
 fn real_walks_are_estimated() {

@@ -1,12 +1,17 @@
 //! Figure 3 (§4): working set and transfers, frame by frame.
 
 use crate::tables::mb;
-use saarcor_model::time::PciConfig;
 use saarcor_model::time::standard::CORE_HZ;
+use saarcor_model::time::{ChipConfig, PciConfig};
 use saarcor_model::vm::{Bytes, CacheConfig, Geometry, Hash};
+use saarcor_studies::StudyError;
+use saarcor_studies::frames::OnChip;
 use saarcor_studies::hot_spots::{HotFrame, cuts, hot_spots};
 use saarcor_studies::monitor::Monitor;
+use saarcor_studies::sampling::walk::{ErrorBound, EstimatedWalk, Goal};
+use saarcor_studies::simulate::WarmUp;
 use saarcor_studies::standard;
+use saarcor_studies::trace::{PacketOrder, TraceOptions};
 use saarcor_studies::walk::{FrameRow, Walk, WalkOptions};
 use saarcor_studies::world::World;
 use serde::Serialize;
@@ -30,7 +35,25 @@ pub struct Graph {
     pub cuts: Vec<usize>,
     /// What the same walk loads with virtual memories of other sizes, and without the hash: played beside the first one.
     pub sizes: Vec<SizeRow>,
+    /// Frames a second of the same frames, in version A; none before [`Graph::add_fps`].
+    pub fps: Vec<FpsRow>,
 }
+
+/// Frames a second of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FpsRow {
+    /// Number of the frame in the path.
+    pub frame: usize,
+    /// Whether it is estimated; others ran on the chip.
+    pub estimated: bool,
+    /// The number, and its interval of 95 %; none where it is not known from the frames that ran.
+    pub fps: Option<f64>,
+    /// See [`FpsRow::fps`].
+    pub interval: Option<[f64; 2]>,
+}
+
+/// Frames run on the chip until the cycles of a walk are known to about so much to each side.
+const FPS_ERROR: ErrorBound = ErrorBound::percent(5.0);
 
 /// What a walk loads with a virtual memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -133,8 +156,38 @@ impl Graph {
                 .zip(&all[others.len()..])
                 .map(|(cache, rows)| SizeRow::new(*cache, rows))
                 .collect(),
+            fps: Vec::new(),
         };
         (graph, memories)
+    }
+
+    /// Adds frames a second on this chip, each frame after the one before it in the path: some frames run, the others are estimated.
+    ///
+    /// # Errors
+    /// If the configuration makes no chip.
+    pub fn add_fps(
+        &mut self,
+        world: &World,
+        config: &ChipConfig,
+        trace: TraceOptions,
+        monitor: &dyn Monitor,
+    ) -> Result<(), StudyError> {
+        let (order, warm_up) = (PacketOrder::default(), WarmUp::ONE);
+        let run = OnChip { world, config, trace, order, warm_up };
+        let frames: Vec<usize> = self.frames.iter().map(|row| row.frame as usize).collect();
+        let walk = EstimatedWalk::new(run, &frames, Goal::Error(FPS_ERROR), 0, monitor)?;
+        let row = |(place, &frame): (usize, &usize)| {
+            let fps = walk.of(place).into_iter().find(|(name, _)| *name == "fps");
+            let fps = fps.map(|(_, fps)| fps).filter(|fps| fps.is_known());
+            FpsRow {
+                frame,
+                estimated: !walk.simulated.contains_key(&place),
+                fps: fps.map(|fps| fps.value),
+                interval: fps.map(|fps| [fps.low, fps.high]),
+            }
+        };
+        self.fps = frames.iter().enumerate().map(row).collect();
+        Ok(())
     }
 
     /// MB that the walk loads with virtual memories of which something is asked, in the order of [`Graph::sizes`]: what is

@@ -142,7 +142,8 @@ impl Reproduction {
             if !real {
                 table1.insert(place, SceneRow::new(row, &world));
             }
-            if let Some(graph) = section.graph(&world, extent, monitor)? {
+            if let Some(mut graph) = section.graph(&world, extent, monitor)? {
+                graph.add_fps(&world, &standard::chip(&row.scene, Version::A)?, trace, monitor)?;
                 let frames = graph.hot_spots.iter().map(|spot| spot.frame).collect();
                 frames_of.insert(section.family(), frames);
                 figure3.insert(place, graph);
@@ -200,12 +201,14 @@ impl Reproduction {
             Extent::All => 1,
         };
         let options = WalkOptions { cache: *cache, cold: false, trace };
-        let (graph, memories) =
+        let (mut graph, memories) =
             Graph::with_memories(name, &world, &options, memories, step.max(1), OWN_HOT_SPOTS, monitor);
         let stand_in = StandIn { scene: name, real: false, of: None };
         // A built-in scene has the first-level caches that it has in Table 2.
         let l1 = standard::chip(&scene.world.scene, Version::None)?.l1;
         let with_cache = |config| ChipConfig { cache: *cache, l1, ..config };
+        let chip = with_cache(ChipConfig::standard(Version::A, *cache));
+        graph.add_fps(&world, &chip, trace, monitor)?;
         let how = How { setting: &with_cache, warm_up, trace: &trace };
         let simulate = |frames: &[usize]| table2::hot_spots(stand_in, &world, frames, &how, monitor);
         let frames: Vec<usize> = graph.hot_spots.iter().map(|spot| spot.frame).collect();

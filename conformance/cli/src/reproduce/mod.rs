@@ -74,11 +74,15 @@ const CSV: [CsvColumn; 12] = [
     ("loaded_bytes", |row| row.loaded_bytes),
 ];
 
-/// The frames as comma-separated values, under a header.
+/// The frames as comma-separated values, under a header. What is not known of frames a second is empty.
 fn csv(graph: &Graph) -> String {
-    let mut csv = CSV.map(|(name, _)| name).join(",");
-    for row in &graph.frames {
+    let mut csv = CSV.map(|(name, _)| name).join(",") + ",fps,fps_low,fps_high,estimated";
+    for (place, row) in graph.frames.iter().enumerate() {
         let _ = write!(csv, "\n{}", CSV.map(|(_, value)| value(row).to_string()).join(","));
+        let in_time = graph.fps.get(place);
+        let known = in_time.and_then(|row| Some([row.fps?, row.interval?[0], row.interval?[1]]));
+        let known = known.map_or_else(|| ",,".to_owned(), |of| of.map(|of| format!("{of:.2}")).join(","));
+        let _ = write!(csv, ",{known},{}", in_time.is_some_and(|row| row.estimated));
     }
     csv.push('\n');
     csv

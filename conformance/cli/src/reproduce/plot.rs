@@ -5,7 +5,7 @@ use kuva::backend::svg::SvgBackend;
 use kuva::plot::{LegendPosition, LinePlot, LineStyle};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
-use kuva::render::render::render_multiple;
+use kuva::render::render::{render_multiple, render_twin_y};
 use saarcor_paper::figure3::Graph;
 use saarcor_paper::tables::{MB, mb};
 use saarcor_studies::walk::FrameRow;
@@ -24,7 +24,16 @@ const SERIES: [Series; 3] = [
 pub fn svg(graph: &Graph) -> String {
     let line = saarcor_studies::standard::LINE.0;
     let plots: Vec<Plot> = SERIES.into_iter().map(|series| curve(graph, series, line)).collect();
-    let layout = Layout::auto_from_plots(&plots)
+    let fps = graph.fps.iter().filter_map(|row| Some((row.frame as f64, row.fps?))).collect::<Vec<_>>();
+    let in_time = match fps.is_empty() {
+        true => Vec::new(),
+        false => {
+            let line =
+                LinePlot::new().with_data(fps).with_color("#3a9a5f").with_line_style(LineStyle::Dashed);
+            vec![Plot::Line(line.with_stroke_width(1.2).with_legend("frames a second (right)"))]
+        }
+    };
+    let mut layout = Layout::auto_from_plots(&plots)
         .with_width(760.0)
         .with_height(320.0)
         .with_x_label("frame")
@@ -35,11 +44,16 @@ pub fn svg(graph: &Graph) -> String {
         .with_grid_line_width(0.4)
         .with_legend_box(false)
         .with_theme(theme());
-    let scene = render_multiple(plots, layout);
+    let scene = if in_time.is_empty() {
+        render_multiple(plots, layout)
+    } else {
+        layout = layout.with_y2_auto(&in_time).with_y2_axis_min(0.0).with_y2_label("frames a second");
+        render_twin_y(plots, in_time, layout)
+    };
     let peak = graph.frames.iter().map(|row| row.working_set_bytes).max().unwrap_or(0);
     let title = format!("{} with {} MB of on-board memory", graph.name, mb(graph.memory_bytes));
     let description = format!(
-        "Working set, memory transferred and collisions of each frame. The largest working set is {} MB.",
+        "Working set, memory transferred and collisions of each frame, and frames a second. The largest working set is {} MB.",
         mb(peak)
     );
     let drawn = SvgBackend::new().render_scene(&scene);

@@ -121,12 +121,12 @@ fn table(rows: &[Accuracy]) -> Table {
     let numbers = [
         "frames",
         "on chip",
+        "not known %",
         "error %",
         "± %",
         "coverage %",
         "frame error %",
         "frame coverage %",
-        "not known %",
         "times as fast",
     ]
     .map(Column::number);
@@ -139,12 +139,12 @@ fn table(rows: &[Accuracy]) -> Table {
             row.quantity.to_owned(),
             row.frames.to_string(),
             row.simulated.to_string(),
-            format!("{:.2}", 100.0 * row.error),
-            format!("{:.2}", 100.0 * row.half_width),
-            format!("{:.0}", 100.0 * row.coverage),
+            format!("{:.0}", 100.0 * row.not_known),
+            percent(row.error, 2),
+            percent(row.half_width, 2),
+            percent(row.coverage, 0),
             format!("{:.1}", 100.0 * row.frame_error),
             format!("{:.0}", 100.0 * row.frame_coverage),
-            format!("{:.0}", 100.0 * row.not_known),
             format!("{:.1}", row.speedup),
             row.misses().join(", "),
         ]);
@@ -152,22 +152,31 @@ fn table(rows: &[Accuracy]) -> Table {
     table
 }
 
+/// A share in percent; a dash for none.
+fn percent(share: Option<f64>, digits: usize) -> String {
+    share.map_or_else(|| "–".to_owned(), |share| format!("{:.digits$}", 100.0 * share))
+}
+
 /// Errors of the sum of cycles over how many times as fast the estimates are, a line a scene and version.
 fn drawing(rows: &[Accuracy]) -> String {
     const COLOURS: [&str; 6] = ["#2f7fc1", "#c8641b", "#9a5fc0", "#3a9a5f", "#b0892f", "#7a7a7a"];
     let mut lines: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
     for row in rows.iter().filter(|row| row.quantity == "cycles") {
+        let Some(error) = row.error else { continue };
         let name = format!("{}, {}", row.scene, row.variant);
         match lines.last_mut() {
-            Some((last, points)) if *last == name => points.push((row.speedup, 100.0 * row.error)),
-            _ => lines.push((name, vec![(row.speedup, 100.0 * row.error)])),
+            Some((last, points)) if *last == name => points.push((row.speedup, 100.0 * error)),
+            _ => lines.push((name, vec![(row.speedup, 100.0 * error)])),
         }
     }
-    let plot = |((name, points), colour): ((String, Vec<(f64, f64)>), &str)| {
-        let line = LinePlot::new().with_data(points).with_color(colour).with_stroke_width(1.6);
-        Plot::Line(line.with_legend(name))
-    };
-    let plots: Vec<Plot> = lines.into_iter().zip(COLOURS.into_iter().cycle()).map(plot).collect();
+    let plots: Vec<Plot> = lines
+        .into_iter()
+        .zip(COLOURS.into_iter().cycle())
+        .map(|((name, points), colour)| {
+            let line = LinePlot::new().with_data(points).with_color(colour).with_stroke_width(1.6);
+            Plot::Line(line.with_legend(name))
+        })
+        .collect();
     let layout = Layout::auto_from_plots(&plots)
         .with_width(760.0)
         .with_height(360.0)

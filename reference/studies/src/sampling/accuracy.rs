@@ -48,18 +48,18 @@ pub struct Accuracy {
     pub quantity: &'static str,
     /// Draws of frames.
     pub draws: u64,
-    /// Root mean square of the sum's error over the draws, relative to the sum.
-    pub error: f64,
+    /// Share of the draws from which the sum is not known ([`Estimate::is_known`](super::estimate::Estimate::is_known)).
+    pub not_known: f64,
+    /// Of the others, root mean square of the sum's error, relative to the sum; none if there are none. So are the next two.
+    pub error: Option<f64>,
     /// Mean of half the width of the sum's interval, relative to the sum.
-    pub half_width: f64,
+    pub half_width: Option<f64>,
     /// Share of the draws whose interval holds the sum.
-    pub coverage: f64,
-    /// Median of the errors of the frames that were not simulated, relative to each; mean over the draws.
+    pub coverage: Option<f64>,
+    /// Median of the errors of the frames that were not simulated, relative to each; mean over all draws.
     pub frame_error: f64,
     /// Share of these frames whose interval holds the truth.
     pub frame_coverage: f64,
-    /// Share of the draws from which the sum is not known ([`Estimate::is_known`](super::estimate::Estimate::is_known)).
-    pub not_known: f64,
     /// Processor seconds of the whole walk.
     pub seconds: f64,
     /// How many times as fast in processor time one estimate was.
@@ -73,10 +73,13 @@ impl Accuracy {
         let place = QUANTITIES.iter().position(|name| *name == self.quantity).unwrap_or(0);
         let [least, most] = COVERAGE_TARGET;
         let targets = [
-            ("error", self.error <= SUM_TARGET[place]),
+            ("error", self.error.is_some_and(|error| error <= SUM_TARGET[place])),
             ("frame", place > 0 || self.frame_error <= FRAME_TARGET),
-            ("coverage", (least..=most).contains(&self.coverage)),
-            ("width", self.half_width <= WIDTH_TARGET * self.error),
+            ("coverage", self.coverage.is_some_and(|coverage| (least..=most).contains(&coverage))),
+            (
+                "width",
+                self.error.zip(self.half_width).is_some_and(|(error, half)| half <= WIDTH_TARGET * error),
+            ),
             ("speed", self.speedup >= SPEED_TARGET),
         ];
         targets.into_iter().filter(|(_, meets)| !meets).map(|(name, _)| name).collect()
@@ -166,7 +169,11 @@ pub fn measure(
             let mean = |of: &dyn Fn(&Draw) -> f64| {
                 draws.iter().map(|draw| of(&draw[place])).sum::<f64>() / DRAWS as f64
             };
-            let share = |of: fn(&Draw) -> bool| mean(&|draw| f64::from(u8::from(of(draw))));
+            let known: Vec<&Draw> = draws.iter().map(|draw| &draw[place]).filter(|draw| draw.known).collect();
+            let of_known = |of: &dyn Fn(&Draw) -> f64| {
+                let sum: f64 = known.iter().map(|draw| of(draw)).sum();
+                (!known.is_empty()).then(|| sum / known.len() as f64)
+            };
             found.push(Accuracy {
                 scene: run.world.name.clone(),
                 variant: version_name(run.config.version),
@@ -175,12 +182,12 @@ pub fn measure(
                 simulated: one.simulated.len(),
                 quantity,
                 draws: DRAWS,
-                error: mean(&|draw| draw.error.powi(2)).sqrt(),
-                half_width: mean(&|draw| draw.half_width),
-                coverage: share(|draw| draw.holds),
+                not_known: 1.0 - known.len() as f64 / DRAWS as f64,
+                error: of_known(&|draw| draw.error.powi(2)).map(f64::sqrt),
+                half_width: of_known(&|draw| draw.half_width),
+                coverage: of_known(&|draw| f64::from(u8::from(draw.holds))),
                 frame_error: mean(&|draw| draw.frame_error),
                 frame_coverage: mean(&|draw| draw.frames_held),
-                not_known: share(|draw| !draw.known),
                 seconds,
                 speedup,
             });

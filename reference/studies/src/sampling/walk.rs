@@ -42,6 +42,14 @@ pub fn quantities(of: [Estimate; 3], config: &ChipConfig, frames: usize) -> Quan
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorBound(f64);
 
+impl ErrorBound {
+    /// So many percent.
+    #[must_use]
+    pub const fn percent(percent: f64) -> Self {
+        Self(percent / 100.0)
+    }
+}
+
 impl FromStr for ErrorBound {
     type Err = ParseError;
 
@@ -49,7 +57,7 @@ impl FromStr for ErrorBound {
         let percent = text.strip_suffix('%').and_then(|number| number.parse::<f64>().ok());
         let percent = percent.filter(|percent| (0.01..=50.0).contains(percent));
         percent
-            .map(|percent| Self(percent / 100.0))
+            .map(Self::percent)
             .ok_or_else(|| ParseError::new("write a percentage from 0.01% to 50%, such as 1%"))
     }
 }
