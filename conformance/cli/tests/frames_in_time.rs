@@ -76,7 +76,7 @@ fn walks_are_drawn_and_summed() {
     let text = frames(&["--svg", file.to_str().expect("text")]);
     let all = rows(&frames(&["--json"]));
     let cycles: u64 = all.iter().map(|row| row["cycles"].as_u64().expect("a number")).sum();
-    assert!(text.contains("3 frames: together") && text.contains(&format!("cycles: {cycles}\n")), "{text}");
+    assert!(text.contains("all 3 frames:") && text.contains(&format!("cycles: {cycles}\n")), "{text}");
     let drawing = std::fs::read_to_string(&file).expect("a drawing");
     assert!(drawing.contains("frames a second") && drawing.starts_with("<svg"));
 }

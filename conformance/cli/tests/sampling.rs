@@ -109,7 +109,7 @@ fn text_says_what_was_estimated() {
     let file = folder.path().join("fps.svg");
     let more = ["--sample", "1/4", "--svg", file.to_str().expect("text")];
     let text = stdout_of(&[&WALK[..], &more].concat());
-    assert!(text.contains("40 frames, of which 10 ran on the chip") && text.contains('±'), "{text}");
+    assert!(text.contains("all 40 frames, of which 10 ran on the chip") && text.contains('±'), "{text}");
     assert_eq!(text.lines().filter(|line| line.ends_with("estimated")).count(), 30, "{text}");
     let drawing = std::fs::read_to_string(&file).expect("a drawing");
     assert!(drawing.contains("intervals of 95 %") && drawing.contains("ran on the chip"));

@@ -141,11 +141,11 @@ impl FramesArgs {
         } else {
             out.line(table(&shown).to_string().trim_end())?;
             let simulated = shown.iter().filter(|row| !row.estimated).count();
-            let from = match shown.len() - simulated {
+            let how = match shown.len() - simulated {
                 0 => String::new(),
-                _ => format!(", of which {simulated} ran on the chip"),
+                _ => format!(", of which {simulated} ran on the chip, and intervals of 95 %"),
             };
-            out.line(format_args!("{} frames{from}: together, with intervals of 95 %", shown.len()))?;
+            out.line(format_args!("all {} frames{how}:", shown.len()))?;
             for (name, estimate) in sum {
                 out.line(format_args!("{name}: {}", sample::text(name, estimate)))?;
             }

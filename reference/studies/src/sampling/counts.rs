@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// How many times as many pixels along a side a picture has as its small one, and pixels that a small picture has at
 /// least, where the picture has them (Assumed).
 const SHRINK: u32 = 8;
-const LEAST_PIXELS: u32 = 64 * 48;
+const LEAST_PIXELS: u32 = 128 * 96;
 
 /// Frames in a row that one core counts: each picture is traced once, but for the one before the first.
 const A_RUN: usize = 16;
@@ -148,8 +148,8 @@ mod tests {
     #[test]
     fn small_pictures_have_a_sixty_fourth_of_the_pixels_or_what_is_enough() {
         let of = |resolution| TraceOptions { resolution, packet: PacketSize::Rays64, max_bounces: 5 };
-        let sizes = [(1024, 768), (512, 384), (256, 192), (100, 9)].map(|size| small(&of(size)).resolution);
-        assert_eq!(sizes, [(128, 96), (64, 48), (64, 48), (100, 9)]);
+        let sizes = [(1024, 768), (512, 384), (300, 200), (100, 9)].map(|size| small(&of(size)).resolution);
+        assert_eq!(sizes, [(128, 96), (128, 96), (150, 100), (100, 9)]);
         assert_eq!(small(&small(&small(&of((9, 9))))).packet, PacketSize::Rays1);
     }
 }

@@ -85,7 +85,7 @@ impl Known {
             let quantile = student_975(simulated.len() - fit.line.len());
             let away: Vec<Away> = rest.iter().map(|&frame| fit.away(frame)).collect();
             for (&frame, away) in rest.iter().zip(&away) {
-                let to = |errors: f64| (away.mean + errors * away.variance.sqrt()).exp() - fit.start;
+                let to = |errors: f64| libm::exp(away.mean + errors * away.variance.sqrt()) - fit.start;
                 let value = (away.started() - fit.start).max(0.0);
                 frames[frame] =
                     Estimate { value, low: to(-quantile).max(0.0), high: to(quantile).max(value) };
@@ -108,14 +108,14 @@ impl Known {
         let [one, other] = [&self.counts[a], &self.counts[b]];
         let product: f64 = one.iter().zip(other).map(|(a, b)| a * b).sum();
         let apart = a.abs_diff(b) as f64;
-        ridge * product / one.len().max(1) as f64 + slow * (-apart / reach).exp()
+        ridge * product / one.len().max(1) as f64 + slow * libm::exp(-apart / reach)
     }
 }
 
 /// The logarithms, of mean 0 and variance 1; none if they do not vary.
 fn standardized(counts: &[f64]) -> Option<Vec<f64>> {
     let start = start(counts);
-    let logarithms: Vec<f64> = counts.iter().map(|count| (count + start).ln()).collect();
+    let logarithms: Vec<f64> = counts.iter().map(|count| libm::log(count + start)).collect();
     let number = counts.len() as f64;
     let mean = logarithms.iter().sum::<f64>() / number;
     let variance = logarithms.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / number;
@@ -155,7 +155,7 @@ struct Away {
 impl Away {
     /// The mean of the quantity, and what was added to it.
     fn started(&self) -> f64 {
-        (self.mean + self.variance / 2.0).exp()
+        libm::exp(self.mean + self.variance / 2.0)
     }
 }
 
@@ -163,7 +163,7 @@ impl<'a> Fit<'a> {
     /// The likeliest model; none if the values do not vary or are too few.
     fn new(known: &'a Known, like: &[f64], simulated: &'a [usize], values: &[f64]) -> Option<Self> {
         let start = start(values);
-        let logarithms: Vec<f64> = values.iter().map(|value| (value + start).ln()).collect();
+        let logarithms: Vec<f64> = values.iter().map(|value| libm::log(value + start)).collect();
         let slope = standardized(like);
         let drift: Vec<Vec<f64>> = (0..known.counts.len())
             .map(|frame| std::iter::once(1.0).chain(slope.as_ref().map(|slope| slope[frame])).collect())
@@ -207,8 +207,9 @@ impl<'a> Fit<'a> {
         let above: Vec<f64> = (0..count).map(off).collect();
         let degrees = (count - columns) as f64;
         let own = dot(&above, &above) / degrees;
-        let determinant = |factor: &[Vec<f64>]| (0..factor.len()).map(|i| factor[i][i].ln()).sum::<f64>();
-        let likelihood = -degrees / 2.0 * own.ln() - determinant(&factor) - determinant(&precision);
+        let determinant =
+            |factor: &[Vec<f64>]| (0..factor.len()).map(|i| libm::log(factor[i][i])).sum::<f64>();
+        let likelihood = -degrees / 2.0 * libm::log(own) - determinant(&factor) - determinant(&precision);
         (own > 1e-24).then(|| Self {
             known,
             simulated,
