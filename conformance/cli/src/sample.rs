@@ -32,6 +32,6 @@ mod tests {
         let of = |low, high| text("cycles", Estimate { value: 1000.0, low, high });
         assert_eq!(of(900.0, 1100.0), "1000 ± 10.0 %");
         assert_eq!(of(700.0, 1300.0), NOT_KNOWN);
-        assert_eq!(text("pci_bytes", Estimate::exact(2e6)), "2.00 MB");
+        assert_eq!(text("pci_bytes", Estimate::exact(2097152.0)), "2.00 MB");
     }
 }
