@@ -59,7 +59,7 @@ fn operations_keep_to_the_standard_model() {
     keeps_to_the_standard_model::<5, 2>();
 }
 
-/// The difference of two products, as computed, has the sign of the exact one or is 0; the order of exact products is told by f64.
+/// The difference of two products, as computed, has the sign of the exact one or is 0; f64 orders exact products.
 fn differences_have_their_signs<const E: u32, const M: u32>() {
     let numbers = numbers::<E, M>();
     let mut products: Vec<(f64, Narrow<E, M>)> = Vec::new();
