@@ -127,6 +127,7 @@ const PROOFS: &[(&str, i32, &str)] = &[
     ("saarcor conform prove my-rtl --memory 64MiB", 0, "lines=524288"),
     ("saarcor conform new verilog-pipelined my-pipeline", 0, ""),
     ("saarcor conform prove my-pipeline --html proof.html --junit proof.xml", 0, "my-pipeline: proved"),
+    ("saarcor conform prove my-pipeline --from-ports", 0, "relations that were found"),
     ("saarcor conform new verilog wrong-rtl --fault verilog-all-ways-grow-older", 0, ""),
     ("saarcor conform prove wrong-rtl", 1, "wrong-rtl: refuted"),
     ("saarcor conform run wrong-rtl --suite target/conform/refuted.txt", 1, "does not conform"),
