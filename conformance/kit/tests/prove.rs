@@ -245,6 +245,22 @@ fn verilog_faults_that_hide_are_refuted() {
     }
 }
 
+/// A register of another use has the value of its reset in a trace of a large memory too: this one never gets as far.
+#[test]
+#[ignore = "needs Yosys and a solver"]
+fn verilog_that_is_right_is_not_refuted_from_a_state_without_reset() {
+    let edits = [
+        ("integer s;", "reg [23:0] beats;\n    integer s;"),
+        (
+            "done <= start && !reset;",
+            "done <= start && !reset;\n        beats <= reset || beats == 9999999 ? 0 : beats + start;",
+        ),
+        ("hit <= found;", "hit <= found ^ (beats == 16777000);"),
+    ];
+    let report = proved_within(40, with("verilog", &edits).path(), false).expect("it can be judged");
+    assert_ne!(report.verdict, ProofVerdict::Refuted, "{report:#?}");
+}
+
 /// What cannot be judged is one clear line, and never proved.
 #[test]
 #[ignore = "needs Yosys and a solver"]

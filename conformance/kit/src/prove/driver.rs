@@ -597,10 +597,11 @@ impl Proof<'_> {
             "not done in time"
         };
         let at = config::text(few);
-        if !is_proved {
+        if is_proved {
+            self.report.assumed.push(format!("what is proved is {at}, and no other size"));
+        } else {
             self.report.reason = format!("from the ports alone, {at}: {says}");
         }
-        self.report.assumed.push(format!("what is proved is {at}, and no other size"));
         self.stage("from the ports alone", at, says.to_owned(), ran.seconds);
         Ok(is_proved)
     }

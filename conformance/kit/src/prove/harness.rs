@@ -167,7 +167,12 @@ pub fn verilog(
     reg first = 1;
     always @(posedge clock) first <= 0;
 `ifdef SAARCOR_COLD
+`ifdef SAARCOR_INDUCTION
     wire reset = 0;
+`else
+    // Registers begin as a reset leaves them.
+    wire reset = first;
+`endif
 `else
     wire reset = first || free_reset;
 `endif
