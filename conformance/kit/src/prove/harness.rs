@@ -117,7 +117,7 @@ pub fn planted(config: &ProveConfig, cache: &CacheConfig) -> Vec<(usize, &'stati
 /// Bit n of its output `happens` says that claim n is violated. Macros choose among its forms: `SAARCOR_COVER` for what has to
 /// be reached in the place of violations; `SAARCOR_PLANTED` for a violation with the one or the other fault, of which as many
 /// are in the state as there are `parts`; `SAARCOR_SMT` for SMT, where the set is a constant and claims are assertions;
-/// `SAARCOR_COLD` for a cold set in the place of the reset; `SAARCOR_INDUCTION` for what an induction needs beside the claims:
+/// `SAARCOR_COLD` for a cold set in the place of the reset, of which a search has one clock; `SAARCOR_INDUCTION` for what an induction needs beside the claims:
 /// the relations that were found, and, with `SAARCOR_STATE`, claims about the state that is shown. Each bit of `free_planted`
 /// stands for a fault: those of [`PLANTED`], and in parts of the state from [`FIRST_PART`] on.
 #[must_use]

@@ -1,5 +1,6 @@
 //! Faults that a run plants into the netlist of the implementation: what part of its state is never updated.
 
+use super::found::binary;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -151,7 +152,7 @@ impl<'a> Plan<'a> {
                 module["cells"][format!("$planted{free}")] = json!({
                     "hide_name": 1,
                     "type": "$mux",
-                    "parameters": { "WIDTH": format!("{width:032b}") },
+                    "parameters": { "WIDTH": binary(width) },
                     "attributes": {},
                     "port_directions": { "A": "input", "B": "input", "S": "input", "Y": "output" },
                     "connections": { "A": before, "B": kept, "S": [bit], "Y": after },
@@ -208,7 +209,7 @@ pub fn settle_writes(netlist: &mut Value, top: &str) {
     }
 }
 
-fn kind(cell: &Value) -> &str {
+pub(super) fn kind(cell: &Value) -> &str {
     cell["type"].as_str().unwrap_or_default()
 }
 
@@ -217,7 +218,7 @@ fn is_write(cell: &Value) -> bool {
 }
 
 /// The memory that a cell reads or writes; empty for other cells.
-fn memory_of(cell: &Value) -> &str {
+pub(super) fn memory_of(cell: &Value) -> &str {
     cell["parameters"]["MEMID"].as_str().unwrap_or_default()
 }
 

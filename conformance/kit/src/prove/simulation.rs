@@ -2,7 +2,7 @@
 
 use super::aiger::{Graph, Place};
 use super::found::binary;
-use super::plant::largest;
+use super::plant::{kind, largest, memory_of};
 use serde_json::{Value, json};
 
 /// An input that is 0. All that memories are read and written with is changed where it is not, or Yosys would leave out
@@ -35,8 +35,6 @@ impl Memories {
     /// output. A memory that has values at first stays.
     pub fn take_out(netlist: &mut Value, top: &str) -> Self {
         let module = &mut netlist["modules"][top];
-        let memory_of = |cell: &Value| cell["parameters"]["MEMID"].as_str().unwrap_or_default().to_owned();
-        let kind = |cell: &Value| cell["type"].as_str().unwrap_or_default().to_owned();
         let all: Vec<(String, Value)> = module["cells"]
             .as_object()
             .into_iter()

@@ -15,32 +15,24 @@ impl Found {
         for (input, part) in wires.chain(parts) {
             let bits = module["netnames"][&input]["bits"].clone();
             let wire = |name: &str| bits_of(&module["netnames"][name]["bits"]);
+            // What is not there at this size is 0: the relations that it has are none.
+            let word = |memory: &str, address: &dyn Fn(&Array) -> Vec<Value>| match arrays.get(memory) {
+                Some(array) => array.word(memory, address(array), &bits),
+                None => value(&[], &bits),
+            };
             let mut cell = match &part {
                 Part::Wire(name) => value(&wire(name), &bits),
-                Part::Bytes { memory, layout } => match arrays.get(memory) {
-                    Some(array) => {
-                        let (word_bytes, size) = (array.width / 8, array.size);
-                        let above =
-                            wire(layout.wire()).into_iter().skip(word_bytes.trailing_zeros() as usize);
-                        array.word(memory, above.take(size.trailing_zeros() as usize).collect(), &bits)
-                    }
-                    None => value(&[], &bits),
-                },
-                Part::Word { memory, way, ways, is_side_by_side } => match arrays.get(memory) {
-                    Some(array) => {
-                        let way_bits = ways.trailing_zeros();
-                        let way = (0..way_bits).map(|bit| json!(if way >> bit & 1 == 1 { "1" } else { "0" }));
-                        let set = wire("witness").into_iter().take(cache.geometry.set_bits() as usize);
-                        let address = if *is_side_by_side {
-                            way.chain(set).collect()
-                        } else {
-                            set.chain(way).collect()
-                        };
-                        array.word(memory, address, &bits)
-                    }
-                    // It is not there at this size: the relations that it has are none.
-                    None => value(&[], &bits),
-                },
+                Part::Bytes { memory, layout } => word(memory, &|array| {
+                    let above = (array.width / 8).trailing_zeros() as usize;
+                    let bits = array.size.trailing_zeros() as usize;
+                    wire(layout.wire()).into_iter().skip(above).take(bits).collect()
+                }),
+                Part::Word { memory, way, ways, is_side_by_side } => word(memory, &|_| {
+                    let way_bits = ways.trailing_zeros();
+                    let way = (0..way_bits).map(|bit| json!(if way >> bit & 1 == 1 { "1" } else { "0" }));
+                    let set = wire("witness").into_iter().take(cache.geometry.set_bits() as usize);
+                    if *is_side_by_side { way.chain(set).collect() } else { set.chain(way).collect() }
+                }),
             };
             cell["attributes"] = json!({});
             module["cells"][format!("${input}")] = cell;

@@ -136,7 +136,7 @@ fn constant_bits<'a>(bits: &[Bit<'a>], classes: &'a [Class<'a>], equal: &[Equal<
         let below = first.own.number - first.part.number.min(first.own.number);
         for &part in bits.iter().filter(|part| part.is_constant()) {
             let own = class.bits.iter().find(|own| own.number == part.number + below);
-            constant.extend(own.filter(|own| class.are_equal(&part, own)).map(|&own| Equal {
+            constant.extend(own.filter(|own| !class.differ(&part, own, 0)).map(|&own| Equal {
                 guard: &class.guard,
                 part,
                 own,
@@ -221,10 +221,10 @@ struct Equal<'a> {
 }
 
 impl<'a> Class<'a> {
-    /// Whether two bits are equal where those of the class mean something.
-    fn are_equal(&self, part: &Bit<'_>, own: &Bit<'_>) -> bool {
+    /// Whether two bits differ somewhere where those of the class mean something; one of them is inverted by a mask.
+    fn differ(&self, part: &Bit<'_>, own: &Bit<'_>, mask: u64) -> bool {
         let mut all = part.samples.iter().zip(own.samples).zip(&self.holds);
-        all.all(|((part, own), holds)| (part ^ own) & holds == 0)
+        all.any(|((part, own), holds)| (part ^ own ^ mask) & holds != 0)
     }
 
     /// The bit of the specification that a bit of a part is, or is the inverse of.
@@ -241,14 +241,10 @@ impl<'a> Class<'a> {
         if !changes(&part) {
             return None;
         }
-        let differs = |own: &Bit<'_>, mask: u64| {
-            let mut all = part.samples.iter().zip(own.samples).zip(&self.holds);
-            all.any(|((part, own), holds)| (part ^ own ^ mask) & holds != 0)
-        };
         self.bits.iter().find_map(|own| {
-            let is_inverted = if !differs(own, 0) {
+            let is_inverted = if !self.differ(&part, own, 0) {
                 false
-            } else if !differs(own, u64::MAX) {
+            } else if !self.differ(&part, own, u64::MAX) {
                 true
             } else {
                 return None;
