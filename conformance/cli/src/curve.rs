@@ -1,11 +1,10 @@
 //! The costs of a sweep as curves over the sizes of one axis: bytes loaded, and metadata.
 
-use crate::plot::{accessible, theme};
+use crate::plot::{accessible, layout};
 use crate::size::Size;
 use anyhow::{Result, anyhow, ensure};
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::{LegendPosition, LinePlot, LineStyle};
-use kuva::render::layout::{Layout, TickFormat};
+use kuva::plot::{LinePlot, LineStyle};
+use kuva::render::layout::TickFormat;
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 use saarcor_model::vm::Bytes;
@@ -57,24 +56,17 @@ pub fn svg(axis: &str, frame: &str, costs: &[PointCosts]) -> Result<String> {
         curve("least product of both", "#9a5fc0", LineStyle::Dotted, here.to_vec()),
     ];
     let size = |log2: f64| Size(Bytes(log2.exp2().round() as u64)).to_string();
-    let layout = Layout::auto_from_plots(&plots)
-        .with_width(760.0)
-        .with_height(360.0)
+    let layout = layout(&plots, 360.0)
         .with_x_label(axis)
         .with_y_label("MB")
         .with_log_y()
         .with_x_tick_step(1.0)
         .with_x_tick_format(TickFormat::Custom(Arc::new(size)))
-        .with_y_tick_format(TickFormat::Custom(Arc::new(|value| value.to_string())))
-        .with_legend_position(LegendPosition::OutsideBottomColumns)
-        .with_grid_line_width(0.4)
-        .with_legend_box(false)
-        .with_theme(theme());
+        .with_y_tick_format(TickFormat::Custom(Arc::new(|value| value.to_string())));
     let scene = render_multiple(plots, layout);
     let description = format!(
         "Bytes loaded and metadata over {axis}. Their product is least at {}.",
         Size(Bytes(best.size))
     );
-    let drawing = SvgBackend::new().render_scene(&scene);
-    Ok(accessible(&drawing, "sweep", frame, &description, (scene.width, scene.height)))
+    Ok(accessible(&scene, "sweep", frame, &description))
 }

@@ -1,10 +1,8 @@
 //! The front of speed against error of triangle tests: as a table, and as a graph.
 
-use crate::plot::{accessible, theme};
+use crate::plot::{accessible, layout};
 use crate::table::{Column, Table};
-use kuva::backend::svg::SvgBackend;
 use kuva::plot::ScatterPlot;
-use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 use saarcor_studies::accuracy::front::Standing;
@@ -53,21 +51,13 @@ pub fn svg(standings: &[Standing]) -> String {
         .with_size(3.5)
         .with_legend("slower and no better than another");
     let plots = vec![Plot::Scatter(others), Plot::Scatter(front)];
-    let layout = Layout::auto_from_plots(&plots)
-        .with_width(760.0)
-        .with_height(420.0)
+    let layout = layout(&plots, 420.0)
         .with_log_scale()
         // Room below the contestants that are never wrong.
         .with_y_axis_min(NONE / 10.0)
         .with_x_label("nanoseconds a test")
-        .with_y_label(format!("wrong answers in 10^6 cases ({NONE}: none)"))
-        .with_legend_position(kuva::plot::LegendPosition::OutsideBottomColumns)
-        .with_grid_line_width(0.4)
-        .with_legend_box(false)
-        .with_theme(theme());
+        .with_y_label(format!("wrong answers in 10^6 cases ({NONE}: none)"));
     let scene = render_multiple(plots, layout);
     let description = format!("Time against wrong answers. On the front: {}.", names.join(", "));
-    let (width, height) = (scene.width, scene.height);
-    let drawn = SvgBackend::new().render_scene(&scene);
-    accessible(&drawn, "accuracy", "Speed against error", &description, (width, height))
+    accessible(&scene, "accuracy", "Speed against error", &description)
 }

@@ -2,6 +2,11 @@
 //! light and on dark ground.
 
 use crate::table::escaped;
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::LegendPosition;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use kuva::render::render::Scene;
 use kuva::render::theme::Theme;
 
 /// Colours of a graph.
@@ -21,16 +26,23 @@ pub fn theme() -> Theme {
     }
 }
 
-/// The same drawing with a name and a description, scaling with its place, and with colours of its
+/// The layout of a graph of that height: as wide as a page, with the legend below.
+#[must_use]
+pub fn layout(plots: &[Plot], height: f64) -> Layout {
+    Layout::auto_from_plots(plots)
+        .with_width(760.0)
+        .with_height(height)
+        .with_legend_position(LegendPosition::OutsideBottomColumns)
+        .with_grid_line_width(0.4)
+        .with_legend_box(false)
+        .with_theme(theme())
+}
+
+/// A graph as SVG, with a name and a description, scaling with its place, and with colours of its
 /// own where it stands alone. `id` distinguishes it from other graphs of a page.
 #[must_use]
-pub fn accessible(
-    svg: &str,
-    id: &str,
-    title: &str,
-    description: &str,
-    (width, height): (f64, f64),
-) -> String {
+pub fn accessible(scene: &Scene, id: &str, title: &str, description: &str) -> String {
+    let (svg, width, height) = (SvgBackend::new().render_scene(scene), scene.width, scene.height);
     let style = ":root{color:#1b1b1b;background:#fff}\
                  @media(prefers-color-scheme:dark){:root{color:#e8e8e8;background:#161616}}";
     let begin = format!(

@@ -5,7 +5,6 @@ use crate::plot::accessible;
 use crate::size::Size;
 use crate::table::{Column, Table};
 use anyhow::{Result, ensure};
-use kuva::backend::svg::SvgBackend;
 use kuva::plot::{ColorMap, Heatmap};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
@@ -126,6 +125,5 @@ pub fn svg(loaded: &[Loaded], id: &str, scene: &str, frames: usize) -> Result<St
         "MB loaded from the host by {frames}, over the size of the on-board memory, the line and the ways: \
          from {least:.2} to {most:.2}."
     );
-    let drawing = SvgBackend::new().render_scene(&drawn);
-    Ok(accessible(&drawing, id, scene, &description, (drawn.width, drawn.height)))
+    Ok(accessible(&drawn, id, scene, &description))
 }

@@ -1,10 +1,8 @@
 //! Where the bytes of the on-board memory go, as stacked bars: a bar a row of Table 2.
 
 use super::tables::CLASSES;
-use crate::plot::{accessible, theme};
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::{BarPlot, LegendPosition};
-use kuva::render::layout::Layout;
+use crate::plot::{accessible, layout};
+use kuva::plot::BarPlot;
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 use saarcor_paper::table2::HotSpot;
@@ -40,20 +38,13 @@ impl Bars {
             plot.with_group(spot.name(), parts)
         });
         let plots = vec![Plot::Bar(plot.with_legend(CLASSES.map(|(class, _)| class).to_vec()))];
-        let layout = Layout::auto_from_plots(&plots)
-            .with_width(760.0)
-            .with_height(140.0 + BAR * spots.len() as f64)
+        let layout = layout(&plots, 140.0 + BAR * spots.len() as f64)
             .with_x_label("% of the bytes to and from the on-board memory")
-            .with_x_axis_max(100.0)
-            .with_legend_position(LegendPosition::OutsideBottomColumns)
-            .with_grid_line_width(0.4)
-            .with_legend_box(false)
-            .with_theme(theme());
+            .with_x_axis_max(100.0);
         let scene = render_multiple(plots, layout);
-        let drawn = SvgBackend::new().render_scene(&scene);
         let title = format!("Where the bytes of the on-board memory go: {}", self.name);
         let description =
             "Of each row, the part of its bytes that each class takes. The tables have them in MB.";
-        accessible(&drawn, self.file, &title, description, (scene.width, scene.height))
+        accessible(&scene, self.file, &title, description)
     }
 }

@@ -1,9 +1,7 @@
 //! A graph of Figure 3 as SVG.
 
-use crate::plot::{accessible, theme};
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::{LegendPosition, LinePlot, LineStyle};
-use kuva::render::layout::Layout;
+use crate::plot::{accessible, layout};
+use kuva::plot::{LinePlot, LineStyle};
 use kuva::render::plots::Plot;
 use kuva::render::render::{render_multiple, render_twin_y};
 use saarcor_paper::figure3::Graph;
@@ -33,17 +31,11 @@ pub fn svg(graph: &Graph) -> String {
             vec![Plot::Line(line.with_stroke_width(1.2).with_legend("frames a second (right)"))]
         }
     };
-    let mut layout = Layout::auto_from_plots(&plots)
-        .with_width(760.0)
-        .with_height(320.0)
+    let mut layout = layout(&plots, 320.0)
         .with_x_label("frame")
         .with_y_label("MB a frame")
         .with_y_axis_min(0.0)
-        .with_x_axis_min(0.0)
-        .with_legend_position(LegendPosition::OutsideBottomColumns)
-        .with_grid_line_width(0.4)
-        .with_legend_box(false)
-        .with_theme(theme());
+        .with_x_axis_min(0.0);
     let scene = if in_time.is_empty() {
         render_multiple(plots, layout)
     } else {
@@ -56,8 +48,7 @@ pub fn svg(graph: &Graph) -> String {
         "Working set, memory transferred and collisions of each frame, and frames a second. The largest working set is {} MB.",
         mb(peak)
     );
-    let drawn = SvgBackend::new().render_scene(&scene);
-    accessible(&drawn, &file(graph), &title, &description, (scene.width, scene.height))
+    accessible(&scene, &file(graph), &title, &description)
 }
 
 /// The name of a graph's files, without the ending: of letters, digits and what needs no quotes in a link or an attribute.

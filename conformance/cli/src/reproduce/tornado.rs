@@ -1,7 +1,6 @@
 //! What each value of an Assumed number does to the error, as bars: a tornado.
 
 use crate::plot::{accessible, theme};
-use kuva::backend::svg::SvgBackend;
 use kuva::plot::BarPlot;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
@@ -57,7 +56,6 @@ impl Tornado {
             .with_grid_line_width(0.4)
             .with_theme(theme());
         let scene = render_multiple(plots, layout);
-        let drawn = SvgBackend::new().render_scene(&scene);
         let title = format!("{}: error of {defaults:.1} % with the defaults", self.of);
         let description = format!(
             "Change of the geometric error of {} over {} rows when one Assumed number has another value. {left_out} values \
@@ -65,6 +63,6 @@ impl Tornado {
             self.of,
             sensitivity.defaults.effects.get("all").map_or(0, |effect| effect.rows),
         );
-        accessible(&drawn, self.file, &title, &description, (scene.width, scene.height))
+        accessible(&scene, self.file, &title, &description)
     }
 }

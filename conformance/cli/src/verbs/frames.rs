@@ -5,16 +5,14 @@ use super::simulate::{OnChipArgs, say_what};
 use crate::args::FrameRange;
 use crate::limits::check_together;
 use crate::output::{OutFile, Stdout, check_inputs};
-use crate::plot::{accessible, theme};
+use crate::plot::{accessible, layout};
 use crate::progress::Progress;
 use crate::results::Results;
 use crate::sample;
 use crate::status::Status;
 use crate::table::{Column, Table};
 use anyhow::{Context, Result, ensure};
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::{BandPlot, LegendPosition, LinePlot, ScatterPlot};
-use kuva::render::layout::Layout;
+use kuva::plot::{BandPlot, LinePlot, ScatterPlot};
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 use saarcor_model::time::ChipConfig;
@@ -233,19 +231,12 @@ fn drawing(title: &str, rows: &[Shown]) -> String {
         let ran = ScatterPlot::new().with_data(simulated).with_color("#c8641b").with_size(3.0);
         plots.push(Plot::Scatter(ran.with_legend("ran on the chip")));
     }
-    let layout = Layout::auto_from_plots(&plots)
-        .with_width(760.0)
-        .with_height(320.0)
+    let layout = layout(&plots, 320.0)
         .with_x_label("frame")
         .with_y_label("frames a second, with intervals of 95 %")
-        .with_y_axis_min(0.0)
-        .with_legend_position(LegendPosition::OutsideBottomColumns)
-        .with_grid_line_width(0.4)
-        .with_legend_box(false)
-        .with_theme(theme());
+        .with_y_axis_min(0.0);
     let scene = render_multiple(plots, layout);
     let least = known.iter().map(|(_, fps, _)| fps.value).fold(f64::INFINITY, f64::min);
     let description = format!("Frames a second of {} frames; the slowest has {least:.1}.", known.len());
-    let drawn = SvgBackend::new().render_scene(&scene);
-    accessible(&drawn, "frames", title, &description, (scene.width, scene.height))
+    accessible(&scene, "frames", title, &description)
 }

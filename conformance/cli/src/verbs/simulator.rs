@@ -2,13 +2,11 @@
 
 use crate::args::{Resolution, SceneName, choice};
 use crate::output::{OutFile, Stdout, json_line};
-use crate::plot::{accessible, theme};
+use crate::plot::{accessible, layout};
 use crate::progress::Progress;
 use crate::table::{Column, Table};
 use anyhow::{Result, ensure};
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::{LegendPosition, LinePlot};
-use kuva::render::layout::Layout;
+use kuva::plot::LinePlot;
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 use saarcor_model::time::Version;
@@ -177,24 +175,11 @@ fn drawing(rows: &[Accuracy]) -> String {
             Plot::Line(line.with_legend(name))
         })
         .collect();
-    let layout = Layout::auto_from_plots(&plots)
-        .with_width(760.0)
-        .with_height(360.0)
+    let layout = layout(&plots, 360.0)
         .with_x_label("times as fast, in processor time")
         .with_y_label("error of the cycles of a walk (%)")
-        .with_y_axis_min(0.0)
-        .with_legend_position(LegendPosition::OutsideBottomColumns)
-        .with_grid_line_width(0.4)
-        .with_legend_box(false)
-        .with_theme(theme());
+        .with_y_axis_min(0.0);
     let scene = render_multiple(plots, layout);
-    let drawn = SvgBackend::new().render_scene(&scene);
     let description = "Root mean square error of the estimated cycles of a walk, over how many times as fast the estimate is.";
-    accessible(
-        &drawn,
-        "simulator",
-        "Speed against error of estimated walks",
-        description,
-        (scene.width, scene.height),
-    )
+    accessible(&scene, "simulator", "Speed against error of estimated walks", description)
 }
